@@ -106,10 +106,8 @@ void add_threads_option(const Subcommand& command, int& threads, const char* des
 }
 
 Result<Model> load_learned_model(const std::string& path) {
-  auto model = load_model(path);
-  if (model && !model->learned)
-    return fail(ErrorCode::NotLearned, path, "has learned no shapes",
-                "train it again with at least 3 poses that differ");
+  auto model = FOLDPROOF_TRY(load_model(path));
+  FOLDPROOF_TRY(require_learned(model));
   return model;
 }
 

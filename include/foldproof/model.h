@@ -79,6 +79,9 @@ std::uint64_t topology_hash(const Topology& topology);
 Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh,
                               std::span<const Index> merged = {});
 
+/// Error when nothing was learned: Model::learned is null.
+Result<void> require_learned(const Model& model);
+
 /// A frame of a motion to learn from.
 struct TrainPose {
   Motion* motion;

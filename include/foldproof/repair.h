@@ -49,12 +49,12 @@ struct RepairSettings {
   /// A second pass makes corrections calm in time.
   bool calm = true;
   /// A pose that touches nothing, of all objects one after the other, from which frame `start_frame` is
-  /// approached. Empty: a frame that is free, or one that can be untangled.
+  /// approached. Empty: a frame that is free, a pose of `poses` that is, or one that can be untangled.
   std::vector<double> start = {};
   Index start_frame = 0;
-  /// Poses of the same form that may touch nothing, such as a model's: where no frame is free, it starts in
-  /// the first of these that is.
-  std::vector<std::vector<double>> poses = {};
+  /// Poses of the same form that may touch nothing, such as a model's: the repair starts in the first of
+  /// these that does not. Called at most once, and only where no frame is free; null: there are none.
+  std::function<Result<std::vector<std::vector<double>>>()> poses = nullptr;
   /// When interrupted, write the frames that are finished so far.
   bool keep = false;
   /// Asked several times a frame, from the thread that called repair: whether to stop.

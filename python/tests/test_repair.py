@@ -54,6 +54,10 @@ def test_a_model_knows_where_to_start():
     assert not np.array_equal(done.motions[0][0], foldproof.repair(crossing).motions[0][0])
     with pytest.raises(foldproof.Error, match="give one per motion"):
         foldproof.repair(crossing, models=[model, None])
+    huge = np.array(crossing[0])
+    huge[7, 1] = 1e200  # no pose can be laid over it
+    with pytest.raises(foldproof.Error, match="frame 0, vertex 7: has the coordinate"):
+        foldproof.repair(foldproof.Motion(crossing.triangles, [huge]), models=model)
 
 
 def test_errors_are_said():

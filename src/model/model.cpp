@@ -44,6 +44,12 @@ bool becomes(const Topology& one, const Topology& other, std::span<const Index> 
 
 }  // namespace
 
+Result<void> require_learned(const Model& model) {
+  if (model.learned) return {};
+  return fail(ErrorCode::NotLearned, model.name.empty() ? "model" : model.name, "has learned no shapes",
+              "train it again with at least 3 poses that differ");
+}
+
 Result<void> require_model_of(const Model& model, const Topology& topology, const std::string& mesh,
                               std::span<const Index> merged) {
   const Topology& own = model.hierarchy()->topology();

@@ -40,9 +40,7 @@ class SampledMotion final : public Motion {
 };
 
 Result<void> require_settings(const Model& model, const SampleSettings& settings) {
-  if (!model.learned)
-    return fail(ErrorCode::NotLearned, model.name, "has learned no shapes",
-                "train it again with at least 3 poses that differ");
+  FOLDPROOF_TRY(require_learned(model));
   if (settings.count < 1) return fail(ErrorCode::InvalidArgument, "count", "is 0", "give at least 1");
   if (!(settings.spread > 0) || !std::isfinite(settings.spread))
     return fail(ErrorCode::InvalidArgument, "spread",

@@ -188,7 +188,8 @@ Result<std::string> Repair::what_touches(std::span<const double> x) {
 }
 
 Result<std::optional<Start>> Repair::known_pose() {
-  for (std::vector<double> x : settings_.poses) {
+  if (!settings_.poses) return std::nullopt;
+  for (std::vector<double>& x : FOLDPROOF_TRY(settings_.poses())) {
     if (x.size() != scene_.size())
       return fail(ErrorCode::InvalidArgument, "poses", "have another size than the objects",
                   "give poses of all objects");

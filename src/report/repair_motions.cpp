@@ -84,7 +84,7 @@ std::vector<Index> objects_of(const std::vector<std::vector<std::uint8_t>>& mova
 
 constexpr std::size_t kKnownPoses = 8;  // of an object, where the repair may start
 
-// Lays a pose over the frame, by a rigid motion. Returns the sum of squared distances that remain.
+// Moves and turns a pose so that it lies over the frame. Returns the sum of squared distances that remain.
 double lay_over(Eigen::VectorXd& pose, std::span<const double> frame) {
   const auto count = static_cast<Eigen::Index>(frame.size() / 3);
   const Eigen::Map<const Eigen::Matrix3Xd> to(frame.data(), 3, count);
@@ -94,8 +94,7 @@ double lay_over(Eigen::VectorXd& pose, std::span<const double> frame) {
   return (x - to).squaredNorm();
 }
 
-// The training poses of a model, as they are in its subspace, that are nearest to the frame, and laid over
-// it.
+// The training poses that are nearest to the frame, laid over it; as the model's subspace has them.
 std::vector<Eigen::VectorXd> nearest_poses(const Model& model, std::span<const double> frame) {
   const Predictor predictor(model.learned);
   std::vector<std::pair<double, Eigen::Index>> order;
@@ -112,25 +111,19 @@ std::vector<Eigen::VectorXd> nearest_poses(const Model& model, std::span<const d
   return poses;
 }
 
-// Poses of all objects, from their models; an object without one is as in the frame.
-Result<std::vector<std::vector<double>>> known_poses(Motions motions, const CheckSettings& settings,
-                                                     Index frame) {
-  FOLDPROOF_TRY(require_models_of(motions, settings));
-  std::vector<std::vector<double>> poses(settings.models.empty() ? 0 : kKnownPoses);
-  for (std::size_t i = 0; i < settings.models.size(); ++i) {
-    const Model* model = settings.models[i].get();
-    std::vector<double> x(3 * std::size_t{motions[i]->topology().vertex_count()});
-    FOLDPROOF_TRY(motions[i]->read_frame(motions[i]->frame_count() == 1 ? 0 : frame, x));
-    if (model != nullptr && model->learned == nullptr)
-      return fail(ErrorCode::InvalidArgument, model->name, "has learned no shapes to start from",
-                  "train it on at least 3 different poses");
-    const auto known = model == nullptr ? std::vector<Eigen::VectorXd>{Eigen::Map<Eigen::VectorXd>(
-                                              x.data(), static_cast<Eigen::Index>(x.size()))}
-                                        : nearest_poses(*model, x);
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      const auto& pose = known[std::min(k, known.size() - 1)];
-      poses[k].insert(poses[k].end(), pose.begin(), pose.end());
-    }
+// Poses of all objects, whose numbers in a frame start at `begin`, from their models; an object without one
+// is as in the first frame.
+Result<std::vector<std::vector<double>>> known_poses(std::span<const std::shared_ptr<const Model>> models,
+                                                     std::span<const std::size_t> begin,
+                                                     const RepairInput& input) {
+  std::vector<double> frame(begin.back());
+  FOLDPROOF_TRY(input.read(0, frame));
+  std::vector<std::vector<double>> poses(kKnownPoses, frame);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!models[i]) continue;
+    const auto known = nearest_poses(*models[i], std::span(frame).subspan(begin[i], begin[i + 1] - begin[i]));
+    for (std::size_t k = 0; k < poses.size(); ++k)
+      std::ranges::copy(known[std::min(k, known.size() - 1)], &poses[k][begin[i]]);
   }
   return poses;
 }
@@ -167,6 +160,10 @@ std::unique_ptr<Motion> RepairedMotions::motion(Index object) const {
 Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& request) {
   const auto frames = FOLDPROOF_TRY(consecutive_frames(motions, request.check));
   const auto movable = FOLDPROOF_TRY(movable_vertices(motions, request));
+  FOLDPROOF_TRY(require_models_of(motions, request.check));
+  for (const auto& model : request.check.models) {
+    if (model) FOLDPROOF_TRY(require_learned(*model));
+  }
   RepairedMotions out;
   out.movable = objects_of(movable);
   out.store_ = std::make_shared<RepairedMotions::Store>(
@@ -200,7 +197,8 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
   input.filter = FOLDPROOF_TRY(filter_for(motions, request.check, objects, {}, TestedPairs::All));
   RepairSettings settings = request.repair;
   settings.thickness = request.check.step.thickness;
-  settings.poses = FOLDPROOF_TRY(known_poses(motions, request.check, frames[0]));
+  if (!request.check.models.empty())
+    settings.poses = [&] { return known_poses(request.check.models, store.begin, input); };
   out.report = FOLDPROOF_TRY(repair(input, settings, [&](double, std::span<const double> x) -> Result<void> {
     ++store.count;
     return store.frames.append({reinterpret_cast<const char*>(x.data()), x.size_bytes()});

@@ -186,16 +186,22 @@ TEST(Repair, AGivenPoseIsWhereItStarts) {
 TEST(Repair, WhereNoFrameIsFreeItStartsInAKnownPoseThatIs) {
   TestMotion motion = pressed_balls(0.4);
   const Pose apart = motion.frames[0];
-  const std::vector<Pose> known = {motion.frames[6], apart};
+  int asked = 0;
+  const auto known = [&asked, poses = std::vector<Pose>{motion.frames[6], apart}] {
+    ++asked;
+    return Result<std::vector<Pose>>(poses);
+  };
   const Repaired without = repaired(motion, {.poses = known});  // its first frame is free
   EXPECT_EQ(without.frames, repaired(motion).frames);
+  EXPECT_EQ(asked, 0);
   motion.frames = {motion.frames[6], motion.frames[5]};
   const Repaired done = repaired(motion, {.poses = known});
   expect_proven(motion, done);
   EXPECT_EQ(done.frames, repaired(motion, {.start = apart, .start_frame = 1}).frames);
   EXPECT_NE(done.frames, repaired(motion).frames);
-  EXPECT_THAT(error_of(motion.input(), {.poses = {{0, 0, 0}}}),
-              ::testing::HasSubstr("poses: have another size"));
+  EXPECT_EQ(asked, 1);
+  const auto small = [] { return Result<std::vector<Pose>>(std::vector<Pose>{{0, 0, 0}}); };
+  EXPECT_THAT(error_of(motion.input(), {.poses = small}), ::testing::HasSubstr("poses: have another size"));
 }
 
 // A sheet that goes through itself along a line in every frame: nothing is free, and smoothing does not help.
