@@ -162,7 +162,7 @@ std::string sentence_of(const RepairReport& report, bool has_start) {
         "{}: something touches in {}",
         report.written ? "Not all could be repaired" : "Nothing could be repaired, and nothing was written",
         touching_frames(report));
-  return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE, or --model).");
+  return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE or --model FILE).");
 }
 
 std::string summary_of(const RepairArguments& a, Motions motions, const RepairReport& report,

@@ -107,6 +107,7 @@ struct Request {
   bool keep;
 };
 
+/// Of the first motion; `weld`: of the first that differs from the default.
 ReadOptions read_options(const Request& request) {
   const auto read_of = [](const auto& motion) { return static_cast<const SharedMotion&>(*motion).read(); };
   ReadOptions read;
