@@ -44,7 +44,8 @@ Result<void> require_directory_to_write(const std::string& where, const fs::path
   return {};
 }
 
-Result<void> require_good_name(const Option& option, const std::string& path, Output output) {
+Result<void> require_good_name(const Option& option, const std::string& path, Output output,
+                               const std::vector<std::string>& endings) {
   if (path.empty()) {
     return fail(
         ErrorCode::InvalidArgument, option.name(), "names nothing",
@@ -63,10 +64,11 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
   if (path.back() == '/' || fs::is_directory(status))
     return fail(ErrorCode::FileAccess, where, "cannot be written: it is a directory", "name a file in it");
   if (output == Output::Motion) {
-    const std::string extension = extension_of(path);
-    if (extension != ".npz" && extension != ".obj" && extension != ".ply")
+    std::vector<std::string> written{".npz", ".obj", ".ply"};
+    written.insert(written.end(), endings.begin(), endings.end());
+    if (std::ranges::find(written, extension_of(path)) == written.end())
       return fail(ErrorCode::UnsupportedFormat, where, "is not a format that is written here",
-                  "name it .npz, .obj or .ply");
+                  "name it " + io::any_of(written));
   }
   // A pipe or a terminal is written directly.
   if (fs::exists(status) && !fs::is_regular_file(status)) {
@@ -159,11 +161,13 @@ struct Outputs {
   std::map<io::FileId, std::string> replaceable;  ///< Existing files, and the output that would replace them.
 
   /// Error: a bad name, or what another output takes.
-  Result<void> add(const Option& option, const std::string& path, Output output);
+  Result<void> add(const Option& option, const std::string& path, Output output,
+                   const std::vector<std::string>& endings);
 };
 
-Result<void> Outputs::add(const Option& option, const std::string& path, Output output) {
-  FOLDPROOF_TRY(require_good_name(option, path, output));
+Result<void> Outputs::add(const Option& option, const std::string& path, Output output,
+                          const std::vector<std::string>& endings) {
+  FOLDPROOF_TRY(require_good_name(option, path, output, endings));
   const std::string where = fmt::format("{} {}", option.name(), path);
   const bool is_file = !io::is_standard_output(path);
   const Taken here = is_file ? taken_by(where, path, output) : Taken{where, {kStandardOutput}, {}, {}};
@@ -238,7 +242,7 @@ Result<void> FileArguments::check() const {
   }
   Outputs outputs;
   for (const auto& [option, output, endings] : outputs_) {
-    for (const std::string& path : option.values()) FOLDPROOF_TRY(outputs.add(option, path, output));
+    for (const std::string& path : option.values()) FOLDPROOF_TRY(outputs.add(option, path, output, endings));
   }
   for (const auto& [option, input] : inputs_) {
     for (const std::string& name : option.values()) {

@@ -28,7 +28,7 @@ class FileArguments {
   /// Registers an option, which must outlive this, and returns it.
   Option reads(Option option, Input input = Input::Motion);
   /// `endings`: those that the file's name may have; by default, all but those of motions. A name without an
-  /// ending is always allowed.
+  /// ending is always allowed. Of a motion: those that are allowed besides.
   Option writes(Option option, Output output = Output::File, std::vector<std::string> endings = {});
 
   /// Call it after the command line was parsed. Error: an input or output has an empty name; an output is a

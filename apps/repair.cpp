@@ -7,10 +7,9 @@
 #include "commands.h"
 #include "contact_lines.h"
 #include "interruptible_motion.h"
-#include "io/write_times.h"
 #include "progress_bar.h"
-#include "report/repair_motions.h"
-#include "report/verdict.h"
+#include "repair_outputs.h"
+#include "report/repair_report.h"
 #include "run_and_summarize.h"
 #include "step_options.h"
 #include "terminal.h"
@@ -24,26 +23,18 @@ step is checked as 'foldproof check' does before it is written. What cannot be r
 is written because no frame is free and none can be made so, the exit code is 1. docs/repair.md says more.
 
 Examples:
-  foldproof repair walk.glb -o fixed.npz
+  foldproof repair walk.glb -o fixed.glb
   foldproof repair body.npz shirt.npz --fixed body.npz -o shirt-fixed.npz     only the shirt moves
   foldproof repair pose.obj -o fixed.obj
   foldproof repair walk.glb --thickness 0.002 --falloff 0.05 -o apart.npz)";
 
 struct RepairArguments : StepArguments {
   std::vector<std::string> outputs, fixed, only, start;
+  std::string json;
   double falloff = 0;
   Index in_betweens = 0;
   bool quick = false, keep = false, quiet = false, all_contacts = false;
 };
-
-// A file per frame.
-bool is_pattern(const std::string& path) { return path.find('%') != std::string::npos; }
-
-bool has_point_cache(const std::string& path, std::size_t frames) {
-  return extension_of(path) == ".obj" && frames > 1 && !is_pattern(path);
-}
-
-std::string times(std::size_t count) { return count == 1 ? "once" : fmt::format("{} times", count); }
 
 Result<void> nothing_may_move(const RepairArguments& a) {
   const std::string fixed = fmt::format("--fixed {}", fmt::join(a.fixed, " --fixed "));
@@ -53,41 +44,14 @@ Result<void> nothing_may_move(const RepairArguments& a) {
               "leave out one or the other");
 }
 
-// An output of a motion with added frames needs their times; other outputs are refused before work starts.
-Result<void> require_outputs_fit(const RepairArguments& a, Motions motions, std::span<const Index> movable,
-                                 std::size_t frames) {
-  if (movable.empty()) return nothing_may_move(a);
-  if (a.outputs.size() != movable.size()) {
-    return fail(ErrorCode::InvalidArgument, "-o",
-                fmt::format("is given {}, but {} may move", times(a.outputs.size()),
-                            counted(movable.size(), "object")),
-                "give it once for each of these, in order");
-  }
-  for (std::size_t i = 0; i < movable.size(); ++i) {
-    const Topology& topology = motions[movable[i]]->topology();
-    if (extension_of(a.outputs[i]) == ".npz" && topology.face_count() < topology.triangles().size())
-      return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
-                  "is NPZ, which holds faces alone, and there are lines or points", "name it .obj");
-    if (a.in_betweens > 0 && extension_of(a.outputs[i]) != ".npz" && !has_point_cache(a.outputs[i], frames))
-      return fail(ErrorCode::UnsupportedFormat, a.outputs[i],
-                  "holds no times, which frames that --in-betweens adds need",
-                  frames == 1                ? "leave out --in-betweens: there is one frame"
-                  : is_pattern(a.outputs[i]) ? "name it .npz, or .obj without %, which gets an MDD"
-                                             : "name it .npz, or .obj, which gets an MDD");
-    if (extension_of(a.outputs[i]) == ".ply" && frames > 1 && !is_pattern(a.outputs[i]))
-      return fail(ErrorCode::UnsupportedFormat, a.outputs[i], "is PLY, which holds one frame",
-                  "name it .npz or .obj, or put %04d into the name for a file per frame");
-  }
-  return {};
-}
-
 Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions) {
   std::vector<double> start;
   if (a.start.empty()) return start;
   if (a.start.size() != motions.size())
-    return fail(ErrorCode::InvalidArgument, "--start",
-                fmt::format("is given {} for {}", times(a.start.size()), counted(motions.size(), "object")),
-                "give it once for each object, in order");
+    return fail(
+        ErrorCode::InvalidArgument, "--start",
+        fmt::format("is given {} for {}", how_often_given(a.start.size()), counted(motions.size(), "object")),
+        "give it once for each object, in order");
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const auto poses = FOLDPROOF_TRY(read_motions({&a.start[i], 1}, a.motion.read, a.quiet));
     if (poses.size() != 1 || poses[0]->topology() != motions[i]->topology())
@@ -98,28 +62,6 @@ Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions
     start.insert(start.end(), x.begin(), x.end());
   }
   return start;
-}
-
-// "frame 3", "frames 3, 5-9 and 7 more".
-std::string frames_named(const std::vector<RepairedFrame>& frames,
-                         const std::function<bool(const RepairedFrame&)>& is_meant) {
-  constexpr int kMostRuns = 8;
-  std::string text;
-  std::size_t count = 0, named = 0;
-  int runs = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (!is_meant(frames[i])) continue;
-    const std::size_t first = i;
-    while (i + 1 < frames.size() && is_meant(frames[i + 1])) ++i;
-    count += i + 1 - first;
-    if (++runs > kMostRuns) continue;
-    named = count;
-    text += fmt::format("{}{:.6g}", runs == 1 ? "" : ", ", frames[first].time);
-    if (i > first) text += fmt::format("-{:.6g}", frames[i].time);
-  }
-  if (count == 0) return "";
-  if (count > named) text += fmt::format(" and {} more", count - named);
-  return (count == 1 ? "frame " : "frames ") + text;
 }
 
 // What was done, in rows.
@@ -138,82 +80,33 @@ std::string rows_of(const RepairReport& report, const std::string& unit, double 
                 fmt::format("{:.3g}{} in frame {:.6g}", worst->correction, space, worst->time));
     text += row("kept apart by", fmt::format("{:.3g}{}", report.clearance + thickness, space));
   }
-  if (const auto late = frames_named(report.frames, [](const auto& f) { return f.late; }); !late.empty())
+  if (const auto late = frames_named(report.frames, [](const auto& f) { return f.late; }).text();
+      !late.empty())
     text += row("behind the motion", "in " + late);
   if (report.open_loop) text += row("loop", "the motion ends as it begins, what was written does not");
   return text;
 }
 
-std::string touching_frames(const RepairReport& report) {
-  return frames_named(report.frames, [](const RepairedFrame& f) { return f.limit != RepairLimit::None; });
-}
-
-std::string sentence_of(const RepairReport& report, bool has_start) {
-  const char* but = report.among_fixed.empty() ? "" : ", but what may not move, with itself";
-  if (report.unchanged) return fmt::format("The motion is as it was: nothing touches{}.", but);
-  if (report.free) {
-    return fmt::format("Proven: nothing touches, in no frame and at no time between frames{}.", but);
-  }
-  const bool any_free =
-      std::ranges::any_of(report.frames, [](const RepairedFrame& f) { return f.limit == RepairLimit::None; });
-  std::string text = "No frame is free and none could be made so: nothing was written";
-  if (report.written || any_free)
-    text = fmt::format(
-        "{}: something touches in {}",
-        report.written ? "Not all could be repaired" : "Nothing could be repaired, and nothing was written",
-        touching_frames(report));
-  return text + (has_start ? "." : "; a pose that touches nothing may help (--start FILE or --model FILE).");
-}
-
-std::string summary_of(const RepairArguments& a, Motions motions, const RepairReport& report,
-                       CheckSettings& settings) {
-  CheckTotals totals;
-  totals.contacts_found = true;
-  totals.first_frame = static_cast<Index>(report.frames.front().time);
-  totals.last_frame = static_cast<Index>(report.frames.back().time);
+std::string summary_of(const RepairArguments& a, Motions motions, const RepairRequest& request,
+                       const RepairReport& report) {
+  const CheckSettings& settings = request.check;
   std::string text = rows_of(report, unit_of(motions, settings), settings.step.thickness);
   if (report.interrupted) {
     text += fmt::format("\nInterrupted: {} of the input were finished, and are written.\n",
-                        frames_named(report.frames, [](const auto&) { return true; }));
+                        frames_named(report.frames, [](const auto&) { return true; }).text());
   }
-  auto not_tested = untested(motions, settings, totals);
-  if (settings.step.thickness > 0 && (!a.fixed.empty() || !a.only.empty()))
-    not_tested.emplace_back("what may not move was not tested with itself for the thickness");
   text += "\n" +
-          colored(printable(with_untested(sentence_of(report, !a.start.empty()), not_tested)),
+          colored(printable(repair_verdict(motions, request, report).sentence.text()),
                   report.free ? Tone::Good : Tone::Bad) +
           "\n";
-  const auto listed = [&](std::vector<Contact> contacts) {
-    std::ranges::sort(contacts, is_worse);
-    totals.contacts = std::move(contacts);
-    return contact_lines(motions, settings, totals,
+  const auto listed = [&](const std::vector<Contact>& contacts) {
+    return contact_lines(motions, settings, contact_totals(contacts, report),
                          a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
   };
   text += listed(report.remaining);
   if (!report.among_fixed.empty())
     text += "\nWhat may not move touches itself, and was left so:\n" + listed(report.among_fixed);
   return text;
-}
-
-Result<void> write_outputs(const RepairArguments& a, const RepairedMotions& done) {
-  std::vector<double> times;
-  for (const RepairedFrame& frame : done.report.frames) times.push_back(frame.time);
-  for (std::size_t i = 0; i < done.movable.size(); ++i) {
-    const auto motion = done.motion(done.movable[i]);
-    const std::string& path = a.outputs[i];
-    if (a.in_betweens == 0) {
-      FOLDPROOF_TRY(write_motion(path, *motion));
-    } else if (extension_of(path) == ".npz") {
-      FOLDPROOF_TRY(io::write_npz(path, *motion, times));
-    } else {
-      std::vector<double> seconds;
-      seconds.reserve(times.size());
-      for (const double time : times) seconds.push_back(time / a.motion.read.fps);
-      const auto cache = std::filesystem::path(path).replace_extension(".mdd");
-      FOLDPROOF_TRY(io::write_obj_mdd(path, cache.string(), *motion, seconds));
-    }
-  }
-  return {};
 }
 
 // The library names its settings.
@@ -239,9 +132,11 @@ Result<int> run_repair(const RepairArguments& a) {
   request.repair.start = FOLDPROOF_TRY(read_start(a, motions));
   const auto movable = FOLDPROOF_TRY(movable_objects(motions, request));
   const auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
-  FOLDPROOF_TRY(require_outputs_fit(a, motions, movable, frames.size()));
+  if (movable.empty()) FOLDPROOF_TRY(nothing_may_move(a));
+  const RepairOutputs outputs{a.outputs, a.motion.read, a.in_betweens};
+  FOLDPROOF_TRY(require_outputs_fit(outputs, motions, movable, frames.size()));
   request.repair.single_precision = std::ranges::any_of(
-      a.outputs, [&](const std::string& path) { return has_point_cache(path, frames.size()); });
+      a.outputs, [&](const std::string& path) { return is_single_precision(path, frames.size()); });
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   ProgressBar bar(!a.quiet);
   request.repair.interrupted = [&] { return interrupted.load(); };
@@ -249,22 +144,30 @@ Result<int> run_repair(const RepairArguments& a) {
   const auto done = repair_motions(motions, request);
   bar.clear();
   if (!done) return tl::unexpected(by_options(done.error(), a));
-  if (done->report.written) FOLDPROOF_TRY(write_outputs(a, *done));
-  if (!a.quiet) print_output(summary_of(a, motions, done->report, settings));
+  if (done->report.written) FOLDPROOF_TRY(write_outputs(outputs, motions, request, *done));
+  if (!a.json.empty()) FOLDPROOF_TRY(write_repair_json(a.json, motions, request, done->report));
+  if (!a.quiet) print_output(summary_of(a, motions, request, done->report));
   if (done->report.interrupted) return kExitInterrupted;
   return exit_code(done->report.free);
 }
 
 void add_output_options(const Subcommand& command, RepairArguments& a) {
   a.files
-      .writes(command.add_option(
-                  "-o,--output", a.outputs,
-                  "The motion to write: .npz, .obj with .pc2, or .mdd with --in-betweens, .ply for "
-                  "one frame; once for each object that may move, in order"),
-              FileArguments::Output::Motion)
+      .writes(
+          command.add_option(
+              "-o,--output", a.outputs,
+              "The motion to write: .npz; .glb for what was glTF, as it was but for what moves; .obj with "
+              ".pc2, or .mdd with --in-betweens; .ply for one frame; once for each object that may move, "
+              "in order"),
+          FileArguments::Output::Motion, {".glb"})
       .type_name("FILE")
       .one_value_each_time()
       .required();
+  a.files
+      .writes(command.add_option("--json", a.json,
+                                 "What was done, frame by frame, and all contacts; - is standard output"),
+              FileArguments::Output::Text)
+      .type_name("FILE");
   command.add_flag("--keep", a.keep, "After Ctrl-C, write the frames that are finished");
   command.add_flag("--contacts", a.all_contacts,
                    fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts));

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/try.h"
+#include "io/glb.h"
 
 namespace foldproof {
 namespace {
@@ -76,12 +77,6 @@ Json animation(Index frames, Buffer& buffer) {
           {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}};
 }
 
-void append_chunk(std::string& file, const char* type, std::string bytes, char filler) {
-  bytes.resize((bytes.size() + 3) / 4 * 4, filler);
-  const auto size = static_cast<std::uint32_t>(bytes.size());
-  file.append(reinterpret_cast<const char*>(&size), sizeof(size)).append(type, 4).append(bytes);
-}
-
 }  // namespace
 
 Result<void> write_glb(const std::string& path, Motion& motion) {
@@ -105,13 +100,7 @@ Result<void> write_glb(const std::string& path, Motion& motion) {
   document["accessors"] = buffer.accessors();
   document["buffers"] = Json::array({{{"byteLength", buffer.bytes().size()}}});
 
-  std::string chunks;
-  append_chunk(chunks, "JSON", document.dump(), ' ');
-  append_chunk(chunks, "BIN\0", buffer.bytes(), '\0');
-  const std::uint32_t head[] = {2, static_cast<std::uint32_t>(12 + chunks.size())};  // version, length
-  auto file = FOLDPROOF_TRY(FileWriter::open(path));
-  FOLDPROOF_TRY(file.write("glTF" + std::string(reinterpret_cast<const char*>(head), sizeof(head)) + chunks));
-  return file.commit();
+  return io::write_glb(path, document.dump(), buffer.bytes());
 }
 
 }  // namespace foldproof

@@ -108,7 +108,7 @@ class Job:
     def modal(self, context, event):
         if event.type == "ESC":
             self.steps.close()
-            return self.end(context, "WARNING", "Cancelled: marks are unchanged")
+            return self.end(context, "WARNING", "Cancelled: nothing was changed")
         if event.type != "TIMER":
             return {"RUNNING_MODAL"} if self.needs_scene else {"PASS_THROUGH"}
         try:
@@ -118,7 +118,7 @@ class Job:
         except Problem as problem:
             return self.end(context, "ERROR", str(problem))
         except ReferenceError:
-            return self.end(context, "ERROR", "An object was removed meanwhile: check again")
+            return self.end(context, "ERROR", "An object was removed meanwhile: start again")
         except BaseException:
             self.end(context, "ERROR", "Foldproof failed: see the console")
             raise
@@ -165,6 +165,16 @@ class FOLDPROOF_OT_check(Job, bpy.types.Operator):
 
     def start(self, context, executable):
         return jobs.check(context, executable)
+
+
+class FOLDPROOF_OT_repair(Job, bpy.types.Operator):
+    """Make copies of the selected meshes that touch nothing over the frame range, near what they were"""
+
+    bl_idname = "foldproof.repair"
+    bl_label = "Repair"
+
+    def start(self, context, executable):
+        return jobs.repair(context, executable)
 
 
 class FOLDPROOF_OT_train(Job, bpy.types.Operator):
@@ -261,6 +271,11 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         layout.operator("foldproof.select", icon="RESTRICT_SELECT_OFF")
         layout.operator("foldproof.clear", icon="TRASH")
         layout.separator()
+        column = layout.column(heading="May Not Move")
+        for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
+            column.prop(each, "foldproof_collider", text=each.name)
+        layout.operator("foldproof.repair", icon="MODIFIER")
+        layout.separator()
         layout.prop(settings, "use_models")
         layout.prop(settings, "folder")
         layout.operator("foldproof.train", icon="ARMATURE_DATA")
@@ -284,6 +299,7 @@ _classes = (
     contacts.FoldproofContact,
     FoldproofSettings,
     FOLDPROOF_OT_check,
+    FOLDPROOF_OT_repair,
     FOLDPROOF_OT_train,
     FOLDPROOF_OT_select,
     FOLDPROOF_OT_clear,
@@ -296,9 +312,13 @@ def register():
     for each in _classes:
         bpy.utils.register_class(each)
     bpy.types.Scene.foldproof = PointerProperty(type=FoldproofSettings)
+    bpy.types.Object.foldproof_collider = BoolProperty(
+        name="May Not Move", description="Repair moves others away from this object, and leaves it as it is"
+    )
 
 
 def unregister():
+    del bpy.types.Object.foldproof_collider
     del bpy.types.Scene.foldproof
     for each in reversed(_classes):
         bpy.utils.unregister_class(each)

@@ -9,7 +9,7 @@ import tempfile
 import bpy
 import numpy as np
 
-from . import contacts, marks, motion, program
+from . import contacts, marks, motion, program, repaired
 from .problem import Problem
 
 
@@ -67,6 +67,10 @@ def _ignored_paths(pair, sampled):
     return ["--ignore", *(path_of[each] for each in pair)] if pair else []
 
 
+def _times(scene, frames, parts):
+    return [frames[0] + k * scene.frame_step / parts for k in range((len(frames) - 1) * parts + 1)]
+
+
 def check(context, executable):
     """Checks the selected meshes over the scene's frames, and marks faces and frames."""
     scene, settings = context.scene, context.scene.foldproof
@@ -78,7 +82,7 @@ def check(context, executable):
         raise Problem("One mesh is selected, so there is nothing between meshes: select two, or check all")
     ignored = _ignored(settings, objects)
     models = _models(settings, objects)
-    times = [frames[0] + k * scene.frame_step / parts for k in range((len(frames) - 1) * parts + 1)]
+    times = _times(scene, frames, parts)
     with tempfile.TemporaryDirectory(prefix="foldproof-") as name:
         folder = pathlib.Path(name)
         sampled = yield from motion.sample(scene, objects, times, folder)
@@ -157,6 +161,49 @@ def _left_out(context):
         one = others == 1
         text += f"; {others:,} selected {'object that is no mesh was' if one else 'objects that are no meshes were'} not checked"
     return text
+
+
+def repair(context, executable):
+    """Makes copies of the selected meshes that touch nothing over the scene's frames. Colliders stay as they are."""
+    scene, settings = context.scene, context.scene.foldproof
+    objects, frames = meshes_to_check(context), frames_of(scene)
+    movable = [each for each in objects if not each.foldproof_collider]
+    if not movable:
+        raise Problem("All selected meshes are colliders, so nothing may move: untick one")
+    left_out = _left_out(context)
+    ignored = _ignored(settings, objects)
+    models = _models(settings, objects)
+    times = _times(scene, frames, settings.samples)
+    with tempfile.TemporaryDirectory(prefix="foldproof-") as name:
+        folder = pathlib.Path(name)
+        # A point cache, which holds what Blender does, single precision, has two frames or more.
+        sampled = yield from motion.sample(scene, objects, times if len(times) > 1 else times * 2, folder)
+        answer, caches = folder / "answer.json", {}
+        arguments = [executable, "repair", *(each.path for each in sampled), "--quiet", "--json", str(answer)]
+        for each in sampled:
+            if each.object in movable:
+                made = folder / f"repaired-{len(caches)}.obj"
+                caches[each] = made.with_suffix(".pc2")
+                arguments += ["-o", str(made)]
+            else:
+                arguments += ["--fixed", each.path]
+        for model in models:
+            arguments += ["--model", model]
+        if settings.thickness > 0:
+            arguments += ["--thickness", repr(settings.thickness)]
+        arguments += _ignored_paths(ignored, sampled) + _unit(scene)
+        yield from program.run(arguments, folder, "Repairing", 0.9)
+        report = program.read_report(answer)
+        copies = []
+        if report["written"] and not report["unchanged"]:
+            for each in sampled:
+                each.expect_unedited()
+            with marks.paused(), motion.returning(scene):
+                motion.set_time(scene, frames[0])
+                copies = [repaired.add(each, times, path) for each, path in caches.items()]
+            repaired.show_instead(context, list(caches), copies, [each for each in objects if each not in movable])
+    text = _sentence(report["verdict"]["parts"], sampled, times) + left_out
+    return f"{text}. Made {', '.join(each.name for each in copies)}; hid what was repaired" if copies else text
 
 
 def _count(things, one, many):

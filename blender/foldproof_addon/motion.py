@@ -143,6 +143,16 @@ def set_time(scene, time):
     scene.frame_set(frame, subframe=time - frame)
 
 
+@contextlib.contextmanager
+def returning(scene):
+    """A context after which the scene is at the time where it was."""
+    before = scene.frame_current + scene.frame_subframe
+    try:
+        yield
+    finally:
+        set_time(scene, before)
+
+
 def refuse_instances(objects):
     """The viewport shows instances, but to_mesh() leaves them out."""
     instances = bpy.context.evaluated_depsgraph_get().object_instances
@@ -173,10 +183,9 @@ def sample(scene, objects, times, folder):
     Quads and larger polygons are triangulated in the scene's first frame, whatever `times` are, so that models of the
     mesh fit.
     """
-    before = scene.frame_current + scene.frame_subframe
     sampled = []
     with contextlib.ExitStack() as at_end:
-        at_end.callback(set_time, scene, before)
+        at_end.enter_context(returning(scene))
         at_end.enter_context(marks.paused())
         with numbered_polygons({o.data for o in objects}):
             set_time(scene, scene.frame_start)

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import time
 
 import numpy as np
 
@@ -36,9 +37,11 @@ def run(arguments, folder, text, fraction):
             )
         except OSError as error:
             raise Problem(f"{arguments[0]} cannot be started: {error.strerror}") from error
+    begin = time.monotonic()
     try:
         while process.poll() is None:
-            yield Progress(fraction, text, needs_scene=False)
+            seconds = int(time.monotonic() - begin)
+            yield Progress(fraction, f"{text}, {seconds // 60}:{seconds % 60:02}", needs_scene=False)
     finally:
         if process.poll() is None:
             process.kill()  # it never leaves an incomplete report
@@ -79,7 +82,7 @@ class Answer:
     meeting: list  # (step, triangles of each object that meet others in it), only steps with any
 
 
-def read_answer(path, sampled):
+def read_report(path):
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -89,6 +92,11 @@ def read_answer(path, sampled):
             "The program foldproof is too old for this add-on: install its version, or say where that is in"
             " Preferences > Add-ons > Foldproof"
         )
+    return report
+
+
+def read_answer(path, sampled):
+    report = read_report(path)
     objects = [_Triangles(each.triangles, each.vertex_count) for each in sampled]
     start = report.get("start")  # none with --static
     return Answer(

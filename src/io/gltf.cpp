@@ -12,6 +12,7 @@
 #include "base/try.h"
 #include "io/gltf_frames.h"
 #include "io/gltf_parts.h"
+#include "io/gltf_pose.h"
 #include "io/readers.h"
 
 namespace foldproof::io {
@@ -24,13 +25,6 @@ constexpr std::uint64_t kMaxInstanced = std::uint64_t{1} << 27;  // vertices or 
 constexpr std::uint64_t kMaxPerFrame = std::uint64_t{1} << 32;
 constexpr std::uint64_t kMaxMorphWeights = std::uint64_t{1} << 26;  // animated, of all nodes
 
-/// A node that instantiates a vertex set.
-struct Instance {
-  std::size_t node;
-  const GltfVertexSet* vertices;
-  std::size_t first_vertex;
-};
-
 class GltfMotion final : public Motion {
  public:
   GltfMotion(GltfDocument document, GltfScene scene, const ReadOptions& options)
@@ -38,7 +32,8 @@ class GltfMotion final : public Motion {
         scene_(std::move(scene)),
         fps_(options.fps),
         weld_(options.weld),
-        frames_(fps_, scene_.duration) {}
+        frames_(fps_, scene_.duration),
+        pose_(scene_) {}
 
   Result<void> open() {
     if (!(frames_.count() <= kMaxFrames)) {
@@ -86,19 +81,9 @@ class GltfMotion final : public Motion {
 
   Result<void> read_frame(Index k, std::span<double> out) override {
     FOLDPROOF_TRY(check_request(*this, k, out));
-    evaluate(frames_.time(k));
-    joints_.assign(scene_.skins.size(), {});
+    pose_.set_time(frames_.time(k));
     const std::string where = fmt::format("{}, frame {}", name(), k);
-    for (const Instance& instance : instances_) {
-      const auto positions = out.subspan(3 * instance.first_vertex, 3 * instance.vertices->position.count());
-      morph(instance, positions);
-      const GltfNode& node = scene_.nodes[instance.node];
-      if (!node.skin) {
-        transform(world_[instance.node], positions);
-      } else if (auto done = apply_skin(instance, *node.skin, where, positions); !done) {
-        return done;
-      }
-    }
+    FOLDPROOF_TRY(pose_.positions(where, out));
     return check_finite(where, out);
   }
 
@@ -163,7 +148,6 @@ class GltfMotion final : public Motion {
     const GltfMesh& mesh = scene_.meshes[mesh_index];
     std::vector<std::size_t> first_vertex;
     for (const GltfVertexSet& set : mesh.vertex_sets) {
-      instances_.push_back({node, &set, vertex_count_});
       first_vertex.push_back(vertex_count_);
       vertex_count_ += set.position.count();
     }
@@ -196,132 +180,15 @@ class GltfMotion final : public Motion {
     return any ? merged : std::vector<Index>();
   }
 
-  /// Evaluates transforms and morph weights at a time.
-  void evaluate(double time) {
-    posed_nodes_ = scene_.nodes;
-    for (const GltfChannel& channel : scene_.channels) {
-      GltfNode& node = posed_nodes_[channel.node];
-      switch (channel.path) {
-        case GltfPath::Translation:
-          sample_channel(channel, time, {node.translation.data(), 3});
-          break;
-        case GltfPath::Rotation:
-          sample_channel(channel, time, {node.rotation.coeffs().data(), 4});
-          break;
-        case GltfPath::Scale:
-          sample_channel(channel, time, {node.scale.data(), 3});
-          break;
-        case GltfPath::Weights:
-          node.weights.resize(scene_.meshes[*node.mesh].targets);
-          sample_channel(channel, time, node.weights);
-          break;
-      }
-    }
-    world_.resize(posed_nodes_.size());
-    for (const std::size_t i : scene_.parents_first) {
-      const GltfNode& node = posed_nodes_[i];
-      const Eigen::Matrix4d local = node.matrix ? *node.matrix
-                                                : (Eigen::Translation3d(node.translation) *
-                                                   node.rotation.normalized() * Eigen::Scaling(node.scale))
-                                                      .matrix();
-      world_[i] = node.parent ? Eigen::Matrix4d(world_[*node.parent] * local) : local;
-    }
-  }
-
-  void morph(const Instance& instance, std::span<double> positions) const {
-    const GltfVertexSet& set = *instance.vertices;
-    const std::size_t count = set.position.count();
-    for (std::size_t v = 0; v < count; ++v) {
-      // -0 becomes 0, so that vertices that differ in this alone stay equal to the last bit.
-      for (int c = 0; c < 3; ++c)
-        positions[3 * v + static_cast<std::size_t>(c)] = set.position.get(v, c) + 0.0;
-    }
-    const GltfNode& node = posed_nodes_[instance.node];
-    const std::vector<double>& weights =
-        node.weights.empty() ? scene_.meshes[*node.mesh].weights : node.weights;
-    // Lines and points may have fewer targets than the faces of their mesh.
-    for (std::size_t t = 0; t < std::min(weights.size(), set.targets.size()); ++t) {
-      if (weights[t] == 0) continue;
-      const GltfAccessor& target = set.targets[t];
-      // Without a buffer, only the replaced elements are nonzero.
-      const bool sparse = target.base.bytes == nullptr;
-      const std::uint64_t entries = sparse ? target.replaced.count : count;
-      for (std::uint64_t e = 0; e < entries; ++e) {
-        const std::uint64_t v = sparse ? target.replaced.integer(e, 0) : e;
-        for (int c = 0; c < 3; ++c) {
-          const double delta = sparse ? target.values.get(e, c) : target.get(v, c);
-          positions[3 * v + static_cast<std::size_t>(c)] += weights[t] * delta;
-        }
-      }
-    }
-  }
-
-  static void transform(const Eigen::Matrix4d& matrix, std::span<double> positions) {
-    const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
-    const Eigen::Vector3d offset = matrix.topRightCorner<3, 1>();
-    for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
-      Eigen::Map<Eigen::Vector3d> p(&positions[i]);
-      p = (linear * p + offset).eval();
-    }
-  }
-
-  using Affine = Eigen::Matrix<double, 3, 4>;
-
-  /// The joint matrices of a skin in this frame; many nodes may share a skin.
-  const std::vector<Affine>& joints_of(std::size_t index) {
-    std::vector<Affine>& joints = joints_[index];
-    if (!joints.empty()) return joints;
-    const GltfSkin& skin = scene_.skins[index];
-    for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-      Eigen::Matrix4d bind = Eigen::Matrix4d::Identity();
-      for (int c = 0; skin.inverse_bind && c < 16; ++c) bind.data()[c] = skin.inverse_bind->get(j, c);
-      joints.push_back((world_[skin.joints[j]] * bind).topRows<3>());
-    }
-    return joints;
-  }
-
-  /// Linear blend skinning. Weights are divided by their sum, since stored weights rarely sum to exactly 1. A
-  /// vertex without weights follows the first joint.
-  Result<void> apply_skin(const Instance& instance, std::size_t skin, const std::string& where,
-                          std::span<double> positions) {
-    const std::vector<Affine>& joints = joints_of(skin);
-    for (std::size_t v = 0; v < positions.size() / 3; ++v) {
-      Affine blend = Affine::Zero();
-      double sum = 0;
-      for (const auto& [ids, weights] : instance.vertices->influences) {
-        for (int c = 0; c < 4; ++c) {
-          const double weight = weights.get(v, c);
-          if (weight == 0) continue;
-          const auto joint = static_cast<std::size_t>(ids.get(v, c));
-          if (joint >= joints.size()) {
-            return fail(ErrorCode::InvalidFile,
-                        fmt::format("{}, vertex {}", where, instance.first_vertex + v),
-                        fmt::format("refers to joint {}, but the skin has {}", joint, joints.size()),
-                        "export the file again");
-          }
-          blend += weight * joints[joint];
-          sum += weight;
-        }
-      }
-      blend = sum == 0 ? joints[0] : Affine(blend / sum);
-      Eigen::Map<Eigen::Vector3d> p(&positions[3 * v]);
-      p = (blend.leftCols<3>() * p + blend.col(3)).eval();
-    }
-    return {};
-  }
-
   GltfDocument document_;
   GltfScene scene_;
   double fps_;
   Weld weld_;
   GltfFrames frames_;
   std::size_t vertex_count_ = 0;
-  std::vector<Instance> instances_;
   Topology topology_;
   MotionInfo info_;
-  std::vector<GltfNode> posed_nodes_;
-  std::vector<Eigen::Matrix4d> world_;
-  std::vector<std::vector<Affine>> joints_;  // per skin; empty until needed in this frame
+  GltfPose pose_;
 };
 
 }  // namespace

@@ -59,6 +59,7 @@ Result<void> show_clip(std::vector<GltfClip> clips, const std::string& name, con
     if (shown == clips.size()) return no_such_clip(scene.clips, name, file);
   }
   GltfClip& clip = clips[shown];
+  scene.clip = shown;
   scene.duration = clip.duration;
   std::set<std::pair<std::size_t, GltfPath>> driven;
   for (GltfChannel& channel : clip.channels) {

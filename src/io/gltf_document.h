@@ -77,6 +77,8 @@ class GltfDocument {
   bool within_budget(std::uint64_t count, const std::string& json_path);
 
   const Json& json() const { return json_; }
+  /// The bytes of buffers[i].
+  std::span<const char> buffer(std::size_t i) const { return *buffers_[i]; }
 
  private:
   using Buffer = std::shared_ptr<const std::vector<char>>;

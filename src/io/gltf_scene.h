@@ -66,6 +66,7 @@ struct GltfScene {
   std::vector<GltfSkin> skins;
   std::vector<std::string> materials;  ///< Names.
   std::vector<GltfChannel> channels;   ///< At most one per path of a node.
+  std::size_t clip = 0;                ///< Index of the animation of these, if there is any.
   double duration = 0;                 ///< Time of the last key of any channel, seconds.
   std::vector<std::string> notes;      ///< On what was left out of it, as in MotionInfo.
   std::vector<std::string> clips;      ///< As in MotionInfo.

@@ -621,7 +621,7 @@ class Addon(unittest.TestCase):
     def test_the_modal_operator(self):
         two_planes()
         answer, said = self.modal(["TIMER", "TIMER", "MOUSEMOVE", "ESC"])
-        self.assertEqual((answer, said[-1]), ({"CANCELLED"}, ({"WARNING"}, "Cancelled: marks are unchanged")))
+        self.assertEqual((answer, said[-1]), ({"CANCELLED"}, ({"WARNING"}, "Cancelled: nothing was changed")))
         self.assertEqual(markers(), {})
         self.expect_nothing_left()
 
@@ -640,8 +640,9 @@ class Addon(unittest.TestCase):
         test, drawn = self, []
 
         class Layout:
-            def prop(self, data, name):
+            def prop(self, data, name, text=""):
                 getattr(data, name)
+                drawn.append(text)
 
             def operator(self, name, text="", icon="NONE"):
                 test.assertIn(icon, icons)
@@ -664,11 +665,14 @@ class Addon(unittest.TestCase):
             def split(self, factor):
                 return self
 
-            column, separator = row, lambda self: None
+            def column(self, align=False, heading=""):
+                return self
+
+            separator = lambda self: None
 
         panel = types.SimpleNamespace(layout=Layout())
         context = types.SimpleNamespace(
-            scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
+            selected_objects=bpy.context.selected_objects, scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
         )
         two_planes()
         bpy.ops.foldproof.check()
@@ -678,8 +682,65 @@ class Addon(unittest.TestCase):
         self.assertIn("'/nowhere/foldproof' is not", "".join(drawn))
         self.assertEqual([text for text in drawn if text in ("Floor - Strip", "6.25", "touches")],
                          ["Floor - Strip", "6.25", "touches"])
+        self.assertIn("Strip", drawn)
         self.assertEqual("".join(drawn).count("found"), 5)
         self.assertLess(max(map(len, drawn)), 30)
+
+    def test_repair_makes_a_copy_that_touches_nothing(self):
+        box, ball = ball_in_box()
+        ball.data.materials.append(bpy.data.materials.new("Skin"))
+        ball.vertex_groups.new(name="mine").add([0, 1], 1, "REPLACE")
+        before = [tuple(v.co) for v in ball.data.vertices]
+        box.foldproof_collider = True
+        bpy.ops.foldproof.check()
+        self.scene.frame_set(4)
+        bpy.ops.ed.undo_push(message="before")
+        self.assertEqual(bpy.ops.foldproof.repair(), {"FINISHED"})
+        bpy.ops.ed.undo_push(message="repaired")
+        self.assertEqual(self.scene.frame_current, 4)
+        self.assertEqual(
+            self.settings.message,
+            "Proven: nothing touches, in no frame and at no time between frames. Made Ball repaired; hid what was repaired",
+        )
+        copy = bpy.data.objects["Ball repaired"]
+        self.assertEqual({o.name for o in bpy.context.selected_objects}, {"Ball repaired", "Box"})
+        self.assertEqual((ball.hide_get(), ball.hide_render, [tuple(v.co) for v in ball.data.vertices]), (True, True, before))
+        self.assertEqual([m.name for m in copy.data.materials], ["Skin"])
+        self.assertEqual([g.name for g in copy.vertex_groups], ["mine"])
+        self.assertEqual(len(copy.data.shape_keys.key_blocks), 11)
+        # It moves up no more than the ball was deep, straight between frames, and not at all where the ball was free.
+        self.scene.frame_set(1)
+        self.assertEqual(self.lowest(copy), self.lowest(ball))
+        at = {}
+        for frame in (5, 5.5, 6):
+            addon("motion").set_time(self.scene, frame)
+            at[frame] = self.lowest(copy)
+        self.assertGreater(at[6], 1)
+        self.assertLess(at[6] - self.lowest(ball), 0.5)
+        self.assertAlmostEqual(at[5.5], (at[5] + at[6]) / 2, 5)
+        bpy.ops.foldproof.check()
+        self.assertEqual(self.settings.message, "No collisions: no triangles cross in frame 1, and all 10 steps are proven free")
+        self.expect_nothing_left()
+        bpy.ops.ed.undo()
+        self.assertNotIn("Ball repaired", bpy.data.objects)
+        self.assertFalse(bpy.data.objects["Ball"].hide_render)
+
+    def lowest(self, made):
+        shown = made.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        return min((shown.matrix_world @ v.co).z for v in shown.data.vertices)
+
+    def test_repair_of_one_frame_of_what_is_free_and_of_what_may_not_move(self):
+        box, ball = ball_in_box()
+        self.scene.frame_start = self.scene.frame_end = 6
+        bpy.ops.foldproof.repair()
+        self.assertRegex(self.settings.message, r"^Proven: nothing touches.*\. Made Ball repaired, Box repaired; hid")
+        self.assertIsNone(bpy.data.objects["Ball repaired"].data.shape_keys)
+        bpy.ops.foldproof.repair()  # of the copies
+        self.assertEqual(self.settings.message, "The motion is as it was: nothing touches")
+        self.assertEqual(len(bpy.data.objects), 4)
+        for each in bpy.context.selected_objects:
+            each.foldproof_collider = True
+        self.fails(bpy.ops.foldproof.repair, "All selected meshes are colliders, so nothing may move: untick one")
 
     def test_can_be_turned_off_and_on(self):
         show = addon("marks").show

@@ -1,0 +1,26 @@
+/// What a repair did, in a sentence for people and in JSON: the same in the terminal, the page and the
+/// add-on.
+#pragma once
+
+#include <functional>
+
+#include "report/repair_motions.h"
+#include "report/verdict.h"
+
+namespace foldproof {
+
+/// Whether the motion touches nothing now, or where it still does, and what was not tested.
+CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const RepairReport& report);
+
+/// "frame 3", "frames 3, 5-9 and 7 more"; empty: none is meant.
+Sentence frames_named(const std::vector<RepairedFrame>& frames,
+                      const std::function<bool(const RepairedFrame&)>& is_meant);
+
+/// Contacts as lists show them, the worst first.
+CheckTotals contact_totals(std::vector<Contact> contacts, const RepairReport& report);
+
+/// Writes a file with the verdict, how far each frame was moved, and all contacts (docs/repair.md).
+Result<void> write_repair_json(const std::string& path, Motions motions, const RepairRequest& request,
+                               const RepairReport& report);
+
+}  // namespace foldproof
