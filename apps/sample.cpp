@@ -6,6 +6,7 @@
 #include "interruptible_motion.h"
 #include "options.h"
 #include "progress_bar.h"
+#include "report/repair_motions.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -13,7 +14,8 @@ namespace {
 
 constexpr const char* kSampleFooter =
     R"(The shapes are distributed as the training poses are: each mode of the subspace varies by the standard deviation that was
-learned. A shape in which two triangles cross is refused, and another is drawn. No triangles cross in a shape that is
+learned. A shape in which two triangles cross is refused, and another is drawn; or, with --repair, the nearest that was
+found in which none cross is taken. No triangles cross in a shape that is
 written: proven, and for the very numbers in the file.
 
 Examples:
@@ -26,32 +28,50 @@ struct SampleArguments {
   std::string model, output;
   SampleSettings settings;
   int threads = 0;
-  bool quiet = false;
+  bool quiet = false, repair = false;
   FileArguments files;
 };
 
 std::string summary(const SampleArguments& a, const Samples& samples) {
   const std::uint64_t kept = samples.shapes->frame_count(), refused = samples.drawn - kept;
-  return fmt::format("{:<24}{}\n{:<24}{}  ({:.3g} % of {} drawn: they cross themselves)\n{:<24}{}\n\n{}\n",
-                     "shapes", grouped(kept), "refused", grouped(refused),
-                     100 * static_cast<double>(refused) / static_cast<double>(samples.drawn),
-                     grouped(samples.drawn), "written to", a.output,
-                     colored("No triangles cross in any of them, proven.", Tone::Good));
+  std::string text = row("shapes", grouped(kept));
+  if (a.repair) text += row("repaired", grouped(samples.mended));
+  text += row("refused", fmt::format("{}  ({:.3g} % of {} drawn: they cross themselves)", grouped(refused),
+                                     100 * static_cast<double>(refused) / static_cast<double>(samples.drawn),
+                                     grouped(samples.drawn)));
+  return text + row("written to", a.output) + "\n" +
+         colored("No triangles cross in any of them, proven.", Tone::Good) + "\n";
 }
 
-Result<int> sample(const SampleArguments& a) {
+// Replaces a shape by the nearest that touches nothing.
+Result<bool> repair_shape(const std::shared_ptr<const Model>& model, std::span<double> x,
+                          const std::atomic<bool>& interrupted) {
+  std::vector<std::unique_ptr<Motion>> shape;
+  shape.push_back(memory_motion(model->name, model->hierarchy()->topology(), {{x.begin(), x.end()}}));
+  RepairRequest request;
+  request.check.models = {model};
+  request.repair.single_precision = true;
+  request.repair.interrupted = [&] { return interrupted.load(); };
+  const auto done = FOLDPROOF_TRY(repair_motions(shape, request));
+  if (!done.report.free) return false;
+  FOLDPROOF_TRY(done.motion(0)->read_frame(0, x));
+  return true;
+}
+
+Result<int> sample(SampleArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   FOLDPROOF_TRY(require_number("--spread", a.settings.spread, false));
   if (a.settings.count < 1) return fail(ErrorCode::InvalidArgument, "--count", "is 0", "give at least 1");
   FOLDPROOF_TRY(a.files.check());
-  const auto model = FOLDPROOF_TRY(load_learned_model(a.model));
+  const auto model = std::make_shared<const Model>(FOLDPROOF_TRY(load_learned_model(a.model)));
   const std::atomic<bool>& interrupted = watch_for_interrupt();
+  if (a.repair) a.settings.mend = [&](std::span<double> x) { return repair_shape(model, x, interrupted); };
   ProgressBar bar(!a.quiet);
   TrainHooks hooks;
   hooks.progress = [&](double share) { bar.show(share, "drawing " + counted(a.settings.count, "shape")); };
   hooks.cancel = &interrupted;
-  const auto samples = FOLDPROOF_TRY(sample_shapes(model, a.settings, hooks));
+  const auto samples = FOLDPROOF_TRY(sample_shapes(*model, a.settings, hooks));
   bar.clear();
   InterruptibleMotion shapes(*samples.shapes, interrupted);
   FOLDPROOF_TRY(write_motion(a.output, shapes));
@@ -81,6 +101,7 @@ Command add_sample(CommandLine& program) {
   command.add_option("--seed", a->settings.seed, "Another number draws other shapes [1]").type_name("N");
   command.add_option("--spread", a->settings.spread, "Factor of the learned standard deviations [1]")
       .type_name("X");
+  command.add_flag("--repair", a->repair, "Repair shapes that cross themselves instead of refusing them");
   add_threads_option(command, a->threads,
                      "At most N threads; the shapes are the same for any number [all cores]");
   command.add_flag("-q,--quiet", a->quiet, "Print nothing but errors");

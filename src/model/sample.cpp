@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "base/try.h"
@@ -10,20 +11,30 @@
 namespace foldproof {
 namespace {
 
-// Shapes given by coordinates, in single precision.
+// Shapes given by coordinates, or by positions if they were mended, in single precision.
 class SampledMotion final : public Motion {
  public:
   SampledMotion(const Model& model, std::shared_ptr<const Predictor> predictor)
       : name_(model.name), topology_(model.hierarchy()->topology()), predictor_(std::move(predictor)) {}
 
   void add(Eigen::VectorXd coordinates) { coordinates_.push_back(std::move(coordinates)); }
-  void pop() { coordinates_.pop_back(); }
+  void pop() {
+    coordinates_.pop_back();
+    mended_.erase(frame_count());
+  }
+  /// Replaces the last shape.
+  void mend(std::span<const double> x) { mended_[frame_count() - 1].assign(x.begin(), x.end()); }
+  std::size_t mended() const { return mended_.size(); }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
   Index frame_count() const override { return static_cast<Index>(coordinates_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
+    if (const auto mended = mended_.find(k); mended != mended_.end()) {
+      std::ranges::copy(mended->second, out.begin());
+      return {};
+    }
     const Eigen::VectorXd x = predictor_->from_coordinates(coordinates_[k]);
     if (!x.cast<float>().allFinite())
       return fail(ErrorCode::NonFinite, fmt::format("shape {}", k), "is too large to compute with",
@@ -37,6 +48,7 @@ class SampledMotion final : public Motion {
   Topology topology_;
   std::shared_ptr<const Predictor> predictor_;
   std::vector<Eigen::VectorXd> coordinates_;
+  std::map<Index, std::vector<float>> mended_;
 };
 
 Result<void> require_settings(const Model& model, const SampleSettings& settings) {
@@ -75,10 +87,16 @@ Result<Samples> sample_shapes(const Model& model, const SampleSettings& settings
     FOLDPROOF_TRY(shapes->read_frame(shapes->frame_count() - 1, x));
     const std::span<const double> positions[] = {x};
     FOLDPROOF_TRY(checker.check_static(positions, {}, found));
+    if (found.crossing_count > 0 && settings.mend && FOLDPROOF_TRY(settings.mend(x))) {
+      shapes->mend(x);
+      FOLDPROOF_TRY(shapes->read_frame(shapes->frame_count() - 1, x));  // rounded
+      FOLDPROOF_TRY(checker.check_static(positions, {}, found));
+    }
     if (found.crossing_count > 0) shapes->pop();
     if (hooks.progress) hooks.progress(static_cast<double>(shapes->frame_count()) / settings.count);
   }
-  return Samples{std::move(shapes), drawn};
+  const std::uint64_t mended = shapes->mended();
+  return Samples{std::move(shapes), drawn, mended};
 }
 
 }  // namespace foldproof

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/program.h"
@@ -42,6 +43,34 @@ TEST(RepairProgram, WhatItWritesIsFree) {
   // On one thread, too.
   EXPECT_EQ(demo.repair({"walk.glb", "-q", "--threads", "1", "-o", "one.npz"}).code, 0);
   EXPECT_EQ(demo.bytes("one.npz"), demo.bytes("fixed.npz"));
+}
+
+// The file is what it was but for the morph targets that were added, and is free as it is read.
+TEST(RepairProgram, WritesGltfIntoAFileLikeTheOneItCameFrom) {
+  const Demo demo;
+  const Outcome done = demo.repair({"walk.glb", "-o", "fixed.glb", "--json", "done.json"});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(demo.check({"fixed.glb"}).code, 0);
+  const auto report = nlohmann::json::parse(demo.bytes("done.json"));
+  EXPECT_EQ(report["verdict"]["kind"], "free");
+  EXPECT_EQ(report["frames"].size(), 25);
+  EXPECT_GT(report["frames"][21]["correction"], 0.005);
+  EXPECT_EQ(report["before"].size(), 2);
+  EXPECT_TRUE(report["remaining"].empty());
+  EXPECT_FALSE(demo.exists("unchecked-fixed.glb"));
+  // Of a few frames, the rest stays as it was.
+  EXPECT_EQ(demo.repair({"walk.glb", "--frames", "3:7", "-q", "-o", "some.glb"}).code, 0);
+  EXPECT_EQ(demo.check({"some.glb", "--frames", "3:7"}).code, 0);
+}
+
+TEST(RepairProgram, RefusesGltfOfWhatIsNone) {
+  const Demo demo;
+  EXPECT_THAT(demo.repair({"body.npz", "-o", "a.glb"}).err,
+              HasSubstr("a.glb: is GLB, and body.npz is no glTF file; name it .npz, .obj or .ply"));
+  EXPECT_THAT(demo.repair({"walk.glb", "--in-betweens", "2", "-o", "a.glb"}).err,
+              HasSubstr("holds no times"));
+  EXPECT_THAT(demo.repair({"walk.glb", "-o", "a.gltf"}).err,
+              HasSubstr("is not a format that is written here; name it .npz, .obj, .ply or .glb"));
 }
 
 TEST(RepairProgram, PointCachesAreProvenAsTheyAreRounded) {

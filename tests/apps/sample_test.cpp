@@ -12,6 +12,7 @@ namespace {
 
 using namespace foldproof::testing;
 using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 struct Trained : TemporaryDirectory {
@@ -53,6 +54,19 @@ TEST(SampleCommand, WritesShapesThatDoNotCrossAndSaysHowManyWereRefused) {
     words.emplace_back("--static");
     EXPECT_EQ(scene.run(words).code, 0) << motion[0];
   }
+}
+
+TEST(SampleCommand, RepairsShapesInsteadOfRefusingThem) {
+  const Trained scene;
+  const Outcome refused =
+      scene.run({"sample", "tube.model", "-o", "a.obj", "--count", "20", "--spread", "1.5"});
+  EXPECT_THAT(refused.out, Not(HasSubstr("refused                 0 ")));
+  const Outcome repaired =
+      scene.run({"sample", "tube.model", "-o", "b.obj", "--count", "20", "--spread", "1.5", "--repair"});
+  EXPECT_EQ(repaired.code, 0) << repaired.err;
+  EXPECT_THAT(repaired.out, Not(HasSubstr("repaired                0\n")));
+  EXPECT_THAT(repaired.out, HasSubstr("refused                 0  (0 % of 20 drawn"));
+  EXPECT_EQ(scene.run({"check", "b.obj", "b.pc2", "--static"}).code, 0);
 }
 
 TEST(SampleCommand, RefusesInOneLineAndLeavesNothing) {
