@@ -191,7 +191,7 @@ def repair(context, executable):
             arguments += ["--model", model]
         if settings.thickness > 0:
             arguments += ["--thickness", repr(settings.thickness)]
-        arguments += _ignored_paths(ignored, sampled) + _unit(scene)
+        arguments += _ignored_paths(ignored, sampled)
         yield from program.run(arguments, folder, "Repairing", 0.9)
         report = program.read_report(answer)
         copies = []

@@ -10,7 +10,7 @@
 namespace foldproof {
 namespace {
 
-Sentence sentence_of(const RepairRequest& request, const RepairReport& report) {
+Sentence sentence_of(const RepairReport& report) {
   const char* but = report.among_fixed.empty() ? "" : ", but what may not move, with itself";
   Sentence out;
   if (report.unchanged) return out << "The motion is as it was: nothing touches" << but;
@@ -31,8 +31,6 @@ Sentence sentence_of(const RepairRequest& request, const RepairReport& report) {
       }
     }
   }
-  if (request.repair.start.empty() && request.check.models.empty())
-    out << "; a pose that touches nothing may help (--start FILE or --model FILE)";
   return out;
 }
 
@@ -87,7 +85,7 @@ CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const
   if (request.check.step.thickness > 0 && (!request.fixed.empty() || !request.only.empty()))
     not_tested.emplace_back("what may not move was not tested with itself for the thickness");
   CheckVerdict out{.kind = report.free ? CheckVerdictKind::Free : CheckVerdictKind::Found,
-                   .sentence = sentence_of(request, report),
+                   .sentence = sentence_of(report),
                    .numbers = {},
                    .whole = not_tested.empty() && report.among_fixed.empty()};
   out.sentence << with_untested(".", not_tested);

@@ -672,9 +672,9 @@ class Addon(unittest.TestCase):
 
         panel = types.SimpleNamespace(layout=Layout())
         context = types.SimpleNamespace(
-            selected_objects=bpy.context.selected_objects, scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
+            scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
         )
-        two_planes()
+        context.selected_objects = two_planes()
         bpy.ops.foldproof.check()
         self.settings.message = "what was found " * 5
         bpy.context.preferences.addons[NAME].preferences.program = "/nowhere/foldproof"
@@ -708,16 +708,16 @@ class Addon(unittest.TestCase):
         self.assertEqual([m.name for m in copy.data.materials], ["Skin"])
         self.assertEqual([g.name for g in copy.vertex_groups], ["mine"])
         self.assertEqual(len(copy.data.shape_keys.key_blocks), 11)
-        # It moves up no more than the ball was deep, straight between frames, and not at all where the ball was free.
+        # It moves up about as much as the ball was deep, straight between frames, and hardly where the ball was free.
         self.scene.frame_set(1)
-        self.assertEqual(self.lowest(copy), self.lowest(ball))
+        np.testing.assert_allclose(self.positions(copy), self.positions(ball), atol=0.1)
         at = {}
         for frame in (5, 5.5, 6):
             addon("motion").set_time(self.scene, frame)
-            at[frame] = self.lowest(copy)
-        self.assertGreater(at[6], 1)
-        self.assertLess(at[6] - self.lowest(ball), 0.5)
-        self.assertAlmostEqual(at[5.5], (at[5] + at[6]) / 2, 5)
+            at[frame] = self.positions(copy)
+        np.testing.assert_allclose(at[5.5], (at[5] + at[6]) / 2, atol=1e-5)
+        self.assertGreater(at[6][:, 2].min(), 1)
+        self.assertLess(at[6][:, 2].min() - self.positions(ball)[:, 2].min(), 0.5)
         bpy.ops.foldproof.check()
         self.assertEqual(self.settings.message, "No collisions: no triangles cross in frame 1, and all 10 steps are proven free")
         self.expect_nothing_left()
@@ -725,19 +725,19 @@ class Addon(unittest.TestCase):
         self.assertNotIn("Ball repaired", bpy.data.objects)
         self.assertFalse(bpy.data.objects["Ball"].hide_render)
 
-    def lowest(self, made):
+    def positions(self, made):
         shown = made.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        return min((shown.matrix_world @ v.co).z for v in shown.data.vertices)
+        return np.array([shown.matrix_world @ v.co for v in shown.data.vertices])
 
     def test_repair_of_one_frame_of_what_is_free_and_of_what_may_not_move(self):
-        box, ball = ball_in_box()
-        self.scene.frame_start = self.scene.frame_end = 6
+        bending_tube()
+        self.scene.frame_start = self.scene.frame_end = 10
         bpy.ops.foldproof.repair()
-        self.assertRegex(self.settings.message, r"^Proven: nothing touches.*\. Made Ball repaired, Box repaired; hid")
-        self.assertIsNone(bpy.data.objects["Ball repaired"].data.shape_keys)
-        bpy.ops.foldproof.repair()  # of the copies
+        self.assertRegex(self.settings.message, r"^Proven: nothing touches.*\. Made Tube repaired; hid")
+        self.assertIsNone(bpy.data.objects["Tube repaired"].data.shape_keys)
+        bpy.ops.foldproof.repair()  # of the copy
         self.assertEqual(self.settings.message, "The motion is as it was: nothing touches")
-        self.assertEqual(len(bpy.data.objects), 4)
+        self.assertEqual([o.name for o in bpy.data.objects], ["Bones", "Tube", "Tube repaired"])
         for each in bpy.context.selected_objects:
             each.foldproof_collider = True
         self.fails(bpy.ops.foldproof.repair, "All selected meshes are colliders, so nothing may move: untick one")
