@@ -51,9 +51,9 @@ Result<void> require_fits(const RepairOutputs& outputs, const std::string& path,
 }
 
 // Frames of a motion from one on, with what is known of another.
-class Frames final : public Motion {
+class ShownFrames final : public Motion {
  public:
-  Frames(std::unique_ptr<Motion> frames, Index first, Index count, const Motion& like)
+  ShownFrames(std::unique_ptr<Motion> frames, Index first, Index count, const Motion& like)
       : frames_(std::move(frames)), first_(first), count_(count), like_(like) {}
   const std::string& name() const override { return like_.name(); }
   const Topology& topology() const override { return like_.topology(); }
@@ -103,7 +103,7 @@ Result<void> read_again(std::span<const GltfFile> files, const RepairOutputs& ou
       motion = std::move(read[0]);
       begin = first;
     }
-    shown.push_back(std::make_unique<Frames>(std::move(motion), begin, count, *motions[i]));
+    shown.push_back(std::make_unique<ShownFrames>(std::move(motion), begin, count, *motions[i]));
   }
   // Where something touches, it was listed; that nothing else does is known before rounding only.
   if (!done.report.free || !done.report.among_fixed.empty()) return {};

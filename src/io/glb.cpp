@@ -8,7 +8,7 @@ namespace foldproof::io {
 namespace {
 
 using Word = std::uint32_t;
-constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+constexpr std::size_t kGlbHeader = 12, kChunkGlbHeader = 8;
 
 std::string word(std::size_t value) {
   std::string bytes(sizeof(Word), '\0');
@@ -23,7 +23,7 @@ void pad(std::string& chunk, char filler) { chunk.resize((chunk.size() + 3) / 4 
 Result<void> write_glb(const std::string& path, std::string json, std::string bytes) {
   pad(json, ' ');
   pad(bytes, '\0');
-  const std::size_t length = kHeader + 2 * kChunkHeader + json.size() + bytes.size();
+  const std::size_t length = kGlbHeader + 2 * kChunkGlbHeader + json.size() + bytes.size();
   if (length > std::numeric_limits<Word>::max())
     return fail(ErrorCode::LimitExceeded, path, "would have more than 4 GiB, which GLB cannot",
                 "select fewer frames (--frames)");

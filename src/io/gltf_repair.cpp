@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = GltfDocument::Json;
 
-constexpr std::uint64_t kMaxWeights = std::uint64_t{1} << 26;  // what the reader takes
+constexpr std::uint64_t kMaxTargetWeights = std::uint64_t{1} << 26;  // what the reader takes
 constexpr int kFloat = 5126, kUnsignedInt = 5125;
 
 /// What is added to the positions of an instance in a frame, before its node or joints move them.
@@ -73,9 +73,9 @@ class Builder {
                      {"componentType", kFloat},
                      {"count", values.size()},
                      {"type", "SCALAR"}};
-    const auto [least, most] = std::ranges::minmax(values);
-    accessor["min"] = {least};
-    accessor["max"] = {most};
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    accessor["min"] = {*least};
+    accessor["max"] = {*most};
     return add("accessors", accessor);
   }
 
@@ -191,7 +191,7 @@ class Repair {
     Json& json = builder.list("nodes")[node];
     std::size_t number = *scene_.nodes[node].mesh;
     const GltfMesh& mesh = scene_.meshes[number];
-    if (std::ranges::count(scene_.nodes, std::optional(number), &GltfNode::mesh) > 1) {
+    if (std::ranges::count_if(scene_.nodes, [&](const GltfNode& each) { return each.mesh == number; }) > 1) {
       number = builder.add("meshes", Json(builder.list("meshes")[number]));
       json["mesh"] = number;
     }
@@ -262,7 +262,7 @@ class Repair {
       animation["channels"] = std::move(channels);
     }
     std::vector<float> times = key_times(node);
-    if (times.size() * (targets + frames.size()) > kMaxWeights)
+    if (times.size() * (targets + frames.size()) > kMaxTargetWeights)
       return fail(ErrorCode::LimitExceeded, document_.path(),
                   fmt::format("would have {} morph targets in {} frames, which are too many", frames.size(),
                               times.size()),
@@ -289,8 +289,7 @@ class Repair {
       }
     }
     std::ranges::sort(times);
-    const auto repeated = std::ranges::unique(times);
-    times.erase(repeated.begin(), repeated.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
     return times;
   }
 
