@@ -3,6 +3,10 @@
 /// See foldproof/ipc_toolkit.h, which includes it.
 #pragma once
 
+#if __cplusplus < 202002L
+#error "Foldproof needs C++20, ipc-toolkit asks for C++17: target_compile_features(simulator PRIVATE cxx_std_20)"
+#endif
+
 #include <algorithm>
 #include <cmath>
 #include <ipc/ccd/narrow_phase_ccd.hpp>

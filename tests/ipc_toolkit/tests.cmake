@@ -8,4 +8,9 @@ foreach(RELEASE 13 14 15 16)
   foldproof_discover(${PROGRAM} ipc_toolkit quick * TEST_PREFIX ${RELEASE}.)
   list(APPEND IPC_TOOLKIT_PROGRAMS ${PROGRAM})
 endforeach()
+# A simulator in C++17, as ipc-toolkit asks for, is told what to do by the first error.
+add_test(NAME ipc_toolkit_cxx17 COMMAND ${CMAKE_CXX_COMPILER} -std=c++17 -fsyntax-only -Wfatal-errors
+  -I${PROJECT_SOURCE_DIR}/include -I${CMAKE_CURRENT_SOURCE_DIR}/ipc_toolkit/stand_in
+  -isystem $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES> ${PROJECT_SOURCE_DIR}/examples/ipc_toolkit.cpp)
+set_tests_properties(ipc_toolkit_cxx17 PROPERTIES PASS_REGULAR_EXPRESSION "error: .*Foldproof needs C[+][+]20")
 foldproof_label(ipc_toolkit quick ${IPC_TOOLKIT_PROGRAMS})
