@@ -4,7 +4,7 @@
 #pragma once
 
 #if __cplusplus < 202002L
-#error "Foldproof needs C++20, ipc-toolkit asks for C++17: target_compile_features(simulator PRIVATE cxx_std_20)"
+#error "Foldproof needs C++20: target_compile_features(simulator PRIVATE cxx_std_20)"
 #endif
 
 #include <algorithm>
@@ -14,6 +14,10 @@
 
 #include "foldproof/ccd.h"
 #include "foldproof/eigen.h"
+
+#if defined(EIGEN_DONT_VECTORIZE) && EIGEN_MAX_ALIGN_BYTES != 0
+#error "foldproof_model has Eigen align more than ipc-toolkit does: see docs/ipc_toolkit.md, Build"
+#endif
 
 namespace foldproof::ipc_toolkit {
 
