@@ -47,7 +47,7 @@ class BroadPhase : public detail::NamedBroadPhase {
   /// One pose. Here as below, no box is made: ipc-toolkit's own function is not called.
   void build(Vertices vertices, Elements edges, Elements faces, double inflation_radius = 0) override {
     require_3d(vertices);
-    keep(edges, faces, inflation_radius);
+    keep(vertices.rows(), edges, faces, inflation_radius);
     x0_ = positions_of(vertices);
     x1_.clear();
   }
@@ -56,7 +56,7 @@ class BroadPhase : public detail::NamedBroadPhase {
              double inflation_radius = 0) override {
     require_3d(vertices_t0);
     require_3d(vertices_t1);
-    keep(edges, faces, inflation_radius);
+    keep(vertices_t0.rows(), edges, faces, inflation_radius);
     x0_ = positions_of(vertices_t0);
     x1_ = positions_of(vertices_t1);
   }
@@ -69,7 +69,7 @@ class BroadPhase : public detail::NamedBroadPhase {
       detail::Parameter<&::ipc::BroadPhase::detect_vertex_vertex_candidates> candidates) const override {
     require_positions();
     if (x0_.empty()) return;
-    vertices_.find({}, x0_, x1_, *inflation_);
+    vertices_.find({.vertex_count = mesh_.vertex_count}, x0_, x1_, *inflation_);
     for (const auto& [a, b] : vertices_.found.vertex_vertex) {
       if (can_vertices_collide(a, b)) candidates.emplace_back(int(a), int(b));
     }
@@ -78,9 +78,10 @@ class BroadPhase : public detail::NamedBroadPhase {
   void detect_edge_vertex_candidates(
       detail::Parameter<&::ipc::BroadPhase::detect_edge_vertex_candidates> candidates) const override {
     require_positions();
-    if (edges_.empty()) return;
-    const Index n = vertex_count();
-    edges_and_points_.find({.edges = edges_, .others = n}, twice(x0_), twice(x1_), *inflation_);
+    if (mesh_.edges.empty()) return;
+    const Index n = mesh_.vertex_count;
+    edges_and_points_.find({.edges = mesh_.edges, .vertex_count = 2 * n, .others = n}, twice(x0_), twice(x1_),
+                           *inflation_);
     for (const auto& [edge, point] : edges_and_points_.found.edge_vertex) {
       if (can_edge_vertex_collide(edge, point - n)) candidates.emplace_back(int(edge), int(point - n));
     }
@@ -89,7 +90,7 @@ class BroadPhase : public detail::NamedBroadPhase {
       detail::Parameter<&::ipc::BroadPhase::detect_edge_edge_candidates> candidates) const override {
     for (const auto& [a, b] : near().edge_edge) {
       // Edges of faces that ipc-toolkit was not given come behind its own.
-      if (b < edges_.size() && can_edges_collide(a, b)) candidates.emplace_back(int(a), int(b));
+      if (b < mesh_.edges.size() && can_edges_collide(a, b)) candidates.emplace_back(int(a), int(b));
     }
   }
   void detect_face_vertex_candidates(
@@ -104,8 +105,8 @@ class BroadPhase : public detail::NamedBroadPhase {
     require_positions();
     if (!x1_.empty())
       throw std::logic_error("foldproof: edge-face candidates are those of one pose; build with one pose");
-    if (edges_.empty() || faces_.empty()) return;
-    for (const auto& [edge, face] : steps_.crossings({.edges = edges_, .faces = faces_}, x0_)) {
+    if (mesh_.edges.empty() || mesh_.faces.empty()) return;
+    for (const auto& [edge, face] : steps_.crossings(mesh_, x0_)) {
       if (can_edge_face_collide(edge, face)) candidates.emplace_back(edge, face);
     }
   }
@@ -117,16 +118,16 @@ class BroadPhase : public detail::NamedBroadPhase {
  protected:
   // As in ipc-toolkit, which asks its boxes for the vertices.
   bool can_edge_vertex_collide(std::size_t edge, std::size_t vertex) const override {
-    return can_collide(edges_[edge], std::array{static_cast<Index>(vertex)});
+    return can_collide(mesh_.edges[edge], std::array{static_cast<Index>(vertex)});
   }
   bool can_edges_collide(std::size_t a, std::size_t b) const override {
-    return can_collide(edges_[a], edges_[b]);
+    return can_collide(mesh_.edges[a], mesh_.edges[b]);
   }
   bool can_face_vertex_collide(std::size_t face, std::size_t vertex) const override {
-    return can_collide(faces_[face], std::array{static_cast<Index>(vertex)});
+    return can_collide(mesh_.faces[face], std::array{static_cast<Index>(vertex)});
   }
   bool can_edge_face_collide(std::size_t edge, std::size_t face) const override {
-    return can_collide(edges_[edge], faces_[face]);
+    return can_collide(mesh_.edges[edge], mesh_.faces[face]);
   }
 
  private:
@@ -156,13 +157,12 @@ class BroadPhase : public detail::NamedBroadPhase {
     Candidates found;
 
     /// `x1` is empty for one pose.
-    void find(Mesh wanted, std::span<const double> x0, std::span<const double> x1, double inflation) {
-      wanted.vertex_count = static_cast<Index>(x0.size() / 3);
-      if (!checker || mesh != wanted) start(std::move(wanted), x0);
+    void find(const Mesh& wanted, std::span<const double> x0, std::span<const double> x1, double inflation) {
+      if (!checker || mesh != wanted) start(wanted, x0);
       detail::value_of(x1.empty() ? checker->candidates(x0, inflation, found)
                                   : checker->candidates(x0, x1, inflation, found));
     }
-    void start(Mesh wanted, std::span<const double> x0) {
+    void start(const Mesh& wanted, std::span<const double> x0) {
       CollisionMeshSettings settings;
       if (wanted.others != 0) {
         std::vector<Index> group(wanted.vertex_count, 0);
@@ -172,7 +172,7 @@ class BroadPhase : public detail::NamedBroadPhase {
       }
       checker.emplace(std::make_shared<const CollisionMesh>(
           detail::value_of(CollisionMesh::make(x0, wanted.edges, wanted.faces, settings))));
-      mesh = std::move(wanted);
+      mesh = wanted;
     }
   };
 
@@ -186,9 +186,9 @@ class BroadPhase : public detail::NamedBroadPhase {
     StaticResult pose;
 
     /// What comes within `distance`: vertices and faces, and edges.
-    void find(Mesh wanted, std::span<const double> x0, std::span<const double> x1, double distance,
+    void find(const Mesh& wanted, std::span<const double> x0, std::span<const double> x1, double distance,
               Candidates& out) {
-      prepare(std::move(wanted), x0);
+      prepare(wanted, x0);
       detail::value_of(
           checker->check(x0, x1, {.thickness = distance, .max_listed = ~std::uint64_t{0}}, step));
       for (const VertexFaceCollision& hit : step.vertex_face) {
@@ -201,8 +201,8 @@ class BroadPhase : public detail::NamedBroadPhase {
       }
     }
     /// The edges and faces that cross, and some that are beside a crossing, ascending.
-    std::vector<std::pair<int, int>> crossings(Mesh wanted, std::span<const double> x) {
-      prepare(std::move(wanted), x);
+    std::vector<std::pair<int, int>> crossings(const Mesh& wanted, std::span<const double> x) {
+      prepare(wanted, x);
       detail::value_of(checker->check_static(x, {.max_listed = ~std::uint64_t{0}}, pose));
       std::vector<std::pair<int, int>> found;
       const auto add = [&](Index element, Index face) {
@@ -222,15 +222,14 @@ class BroadPhase : public detail::NamedBroadPhase {
     }
 
    private:
-    void prepare(Mesh wanted, std::span<const double> x0) {
-      wanted.vertex_count = static_cast<Index>(x0.size() / 3);
+    void prepare(const Mesh& wanted, std::span<const double> x0) {
       if (checker && mesh == wanted) return;
       hierarchy = detail::value_of(CollisionMesh::make(x0, wanted.edges, wanted.faces)).hierarchy();
       rows.clear();
       for (Index k = 0; k < wanted.edges.size(); ++k) rows.emplace_back(ascending(wanted.edges[k]), k);
       std::sort(rows.begin(), rows.end());
       checker.emplace(std::vector<Object>{hierarchy});
-      mesh = std::move(wanted);
+      mesh = wanted;
     }
     static Edge ascending(const Edge& edge) {
       return {std::min(edge[0], edge[1]), std::max(edge[0], edge[1])};
@@ -257,18 +256,17 @@ class BroadPhase : public detail::NamedBroadPhase {
     if (!inflation_)
       throw std::logic_error("foldproof: no positions were given; call build with vertices, not boxes");
   }
-  Index vertex_count() const { return static_cast<Index>(x0_.size() / 3); }
-
   template <class Kept>
   static void set_dimension(Kept& kept) {
     if constexpr (requires { kept.dim; })
       kept.dim = 3;  // as since 1.5 detect_collision_candidates wants to know
   }
-  void keep(Elements edges, Elements faces, double inflation_radius) {
+  void keep(Eigen::Index vertex_count, Elements edges, Elements faces, double inflation_radius) {
     clear();
     set_dimension(*this);
-    edges_ = ids_of<2>(edges);
-    faces_ = ids_of<3>(faces);
+    mesh_ = {.edges = ids_of<2>(edges),
+             .faces = ids_of<3>(faces),
+             .vertex_count = static_cast<Index>(vertex_count)};
     inflation_ = 2 * inflation_radius;
     near_is_found_ = false;
   }
@@ -276,20 +274,18 @@ class BroadPhase : public detail::NamedBroadPhase {
     require_positions();
     if (near_is_found_) return near_.found;
     near_.found.clear();
-    Mesh all{.edges = edges_, .faces = faces_};
-    if (edges_.empty() && faces_.empty()) {  // nothing collides
+    if (mesh_.edges.empty() && mesh_.faces.empty()) {  // nothing collides
     } else if (x1_.empty()) {
-      near_.find(std::move(all), x0_, {}, *inflation_);
+      near_.find(mesh_, x0_, {}, *inflation_);
     } else {
-      steps_.find(std::move(all), x0_, x1_, *inflation_, near_.found);
+      steps_.find(mesh_, x0_, x1_, *inflation_, near_.found);
     }
     near_is_found_ = true;
     return near_.found;
   }
 
   std::vector<double> x0_, x1_;  ///< x1_ is empty for one pose.
-  std::vector<Edge> edges_;
-  std::vector<Triangle> faces_;
+  Mesh mesh_;
   std::optional<double> inflation_;  ///< None: nothing is built.
   mutable Query near_, vertices_, edges_and_points_;
   mutable Steps steps_;
