@@ -26,8 +26,8 @@ CollisionMesh make_scene(Numbers& x, std::vector<std::vector<Index>>& neighbors)
     neighbors[b].push_back(a);
   };
   for (Index v = 0; v < kSheetVertices; ++v) {
-    const Index row = v / kSide % kSide, column = v % kSide;
-    x.insert(x.end(), {10.0 * (v / (kSide * kSide)) + row, 0.3 + 0.1 * row, 1.0 * column});
+    const Index sheet = v / (kSide * kSide), row = v / kSide % kSide, column = v % kSide;
+    x.insert(x.end(), {10.0 * sheet + row, 0.3 + 0.1 * row, 1.0 * column});
     if (row > 0) connect(v, v - kSide);
     if (column > 0) connect(v, v - 1);
     if (row == 0 || column == 0) continue;
