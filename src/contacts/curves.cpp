@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <set>
-#include <tuple>
+#include <utility>
 
 #include "check/motion.h"
 #include "foldproof/ccd.h"
@@ -54,9 +54,8 @@ struct End {
   Piercing piercing;
 };
 
-// What a piercing is: its side, whose edges are all of one object, edge and face.
-using Identity = std::tuple<int, Edge, Index>;
-Identity identity_of(const Piercing& p) { return {p.side, p.edge, p.face}; }
+// What a piercing is, whichever sides its pairs say: the face tells which object the edge is of.
+using Identity = std::pair<Edge, Index>;
 
 class Tracer {
  public:
@@ -80,7 +79,7 @@ class Tracer {
       const auto sorted = static_cast<std::ptrdiff_t>(ends_.size());
       for (; done < pairs_.size(); ++done) add_ends(static_cast<Index>(done));
       for (auto i = static_cast<Index>(sorted); i < ends_.size(); ++i)
-        order_.emplace_back(identity_of(ends_[i].piercing), i);
+        order_.emplace_back(Identity(ends_[i].piercing.edge, ends_[i].piercing.face), i);
       std::sort(order_.begin() + sorted, order_.end());
       std::inplace_merge(order_.begin(), order_.begin() + sorted, order_.end());
       add_missing_pairs();
@@ -88,7 +87,7 @@ class Tracer {
     out_.as_given = pairs_.size() == given_count_;
     number_piercings();
     out_.lines.clear();
-    out_.closed = !segments_.empty();
+    out_.closed = !out_.segments.empty();
     out_.at_borders = false;
     out_.length = 0;
     link_segments();
@@ -140,7 +139,10 @@ class Tracer {
         surfaces_.triangles_with_edge(p.object, p.edge, at_edge_);
         for (std::size_t k = 0; k < at_edge_.size() && at_edge_.size() > end - i; ++k) {
           const Index t = at_edge_[k];
-          const auto has = [&](const auto& e) { return pairs_[ends_[e.second].pair].triangle(p.side) == t; };
+          const auto has = [&](const auto& e) {
+            const End& end = ends_[e.second];
+            return pairs_[end.pair].triangle(end.piercing.side) == t;
+          };
           if (!surfaces_.is_face(p.object, t) ||
               std::any_of(order_.begin() + static_cast<std::ptrdiff_t>(i),
                           order_.begin() + static_cast<std::ptrdiff_t>(end), has))
@@ -211,6 +213,7 @@ class Tracer {
   // Lists each piercing once, and the segments by their numbers.
   void number_piercings() {
     out_.piercings.clear();
+    out_.segments.clear();
     std::vector<std::array<Index, 2>> of_pair(pairs_.size(), {kNoIndex, kNoIndex});
     for (std::size_t i = 0; i < order_.size(); ++i) {
       const End& end = ends_[order_[i].second];
@@ -218,24 +221,24 @@ class Tracer {
       auto& both = of_pair[end.pair];
       (both[0] == kNoIndex ? both[0] : both[1]) = static_cast<Index>(out_.piercings.size() - 1);
     }
-    for (const auto& both : of_pair) {
-      if (both[1] != kNoIndex) segments_.push_back(both);
+    for (Index i = 0; i < of_pair.size(); ++i) {
+      if (of_pair[i][1] != kNoIndex) out_.segments.push_back({i, of_pair[i]});
     }
   }
 
   void link_segments() {
     first_.assign(out_.piercings.size() + 1, 0);
-    for (const auto& segment : segments_) {
-      for (const Index n : segment) ++first_[n + 1];
+    for (const auto& segment : out_.segments) {
+      for (const Index n : segment.ends) ++first_[n + 1];
     }
     for (std::size_t n = 1; n < first_.size(); ++n) first_[n] += first_[n - 1];
-    at_.resize(2 * segments_.size());
+    at_.resize(2 * out_.segments.size());
     next_.assign(first_.begin(), first_.end() - 1);
-    for (Index s = 0; s < segments_.size(); ++s) {
-      for (const Index n : segments_[s]) at_[next_[n]++] = s;
+    for (Index s = 0; s < out_.segments.size(); ++s) {
+      for (const Index n : out_.segments[s].ends) at_[next_[n]++] = s;
     }
     next_.assign(first_.begin(), first_.end() - 1);
-    used_.assign(segments_.size(), 0);
+    used_.assign(out_.segments.size(), 0);
   }
 
   // A segment at a piercing that no line has yet.
@@ -249,7 +252,8 @@ class Tracer {
     auto& line = out_.lines.emplace_back(1, n);
     for (Index s = next_segment(n); s != kNoIndex; s = next_segment(n)) {
       used_[s] = 1;
-      const Index to = segments_[s][0] == n ? segments_[s][1] : segments_[s][0];
+      const auto& ends = out_.segments[s].ends;
+      const Index to = ends[0] == n ? ends[1] : ends[0];
       out_.length += (out_.piercings[to].position - out_.piercings[n].position).norm();
       line.push_back(to);
       n = to;
@@ -267,7 +271,6 @@ class Tracer {
   std::array<std::array<Vec3, 3>, 2> corners_{};  // of the last pair of ends_, per side
   std::vector<End> ends_;
   std::vector<std::pair<Identity, Index>> order_;  // of ends_
-  std::vector<std::array<Index, 2>> segments_;     // two piercings each
   std::vector<Index> first_, at_, next_;           // segments at each piercing
   std::vector<std::uint8_t> used_;
 };

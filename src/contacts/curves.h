@@ -29,8 +29,13 @@ struct Curves {
   /// The pairs of faces that cross where they are displaced: those that were given, and what continues their
   /// curves. Lines and points have no curves.
   std::vector<CrossingPair> pairs;
-  bool as_given = false;                  ///< These are the pairs that were given.
-  std::vector<Piercing> piercings;        ///< Each once, sorted by side, edge and face.
+  bool as_given = false;            ///< These are the pairs that were given.
+  std::vector<Piercing> piercings;  ///< Each once, sorted by edge and face.
+  struct Segment {
+    Index pair;                   ///< Of `pairs`: where its triangles cross.
+    std::array<Index, 2> ends{};  ///< Piercings.
+  };
+  std::vector<Segment> segments;
   std::vector<std::vector<Index>> lines;  ///< Piercings along each curve; a closed one repeats the first.
   bool closed = true;                     ///< All of them.
   bool at_borders = false;                ///< Some end at a border of a surface.

@@ -54,30 +54,12 @@ void FrameMeasurer::list_triangles(std::span<const CrossingPair> pairs, int side
 }
 
 // What is inside: vertices, and the middles of pieces of edges whose ends are outside.
-void FrameMeasurer::list_inner_points(const Region& region, const RegionQuery& query, Positions x) {
+void FrameMeasurer::list_inner_points(const Region& region, Index object, Positions x) {
   points_.clear();
-  const auto object_x = x[query.object];
   // What may be deepest comes first: points that are less deep are then ruled out quickly.
-  if (region.last != kNoIndex) points_.push_back(position(object_x, region.last));
-  for (const Index v : region.vertices) points_.push_back(position(object_x, v));
-  // An edge may be cut by the curves of both sides: where a fold is narrow, every edge across it is.
-  cuts_.clear();
-  for (const Piercing& p : curves_.piercings) {
-    if (p.face != kNoIndex && query.sides[static_cast<std::size_t>(p.side)])
-      cuts_.emplace_back(p.edge, p.share);
-  }
-  std::sort(cuts_.begin(), cuts_.end());
-  for (std::size_t i = 0; i < cuts_.size();) {
-    const Edge edge = cuts_[i].first;
-    std::size_t end = i + 1;
-    while (end < cuts_.size() && cuts_[end].first == edge) ++end;
-    if ((end - i) % 2 == 0 && !contains(region.vertices, edge[0])) {
-      const Vec3 p = position(object_x, edge[0]), q = position(object_x, edge[1]);
-      for (std::size_t k = i; k < end; k += 2)
-        points_.push_back(p + (cuts_[k].second + cuts_[k + 1].second) / 2 * (q - p));
-    }
-    i = end;
-  }
+  if (region.last != kNoIndex) points_.push_back(position(x[object], region.last));
+  for (const Index v : region.vertices) points_.push_back(position(x[object], v));
+  points_.insert(points_.end(), region.points.begin(), region.points.end());
 }
 
 // Adds to other_ what is connected to it and not farther from all points, but for what is skipped; the
@@ -216,7 +198,7 @@ void FrameMeasurer::raise_depth_around(int side, Positions x, bool all) {
 }
 
 void FrameMeasurer::find_deepest(int side, Positions x) {
-  list_inner_points(*region_[side], query_[side], x);
+  list_inner_points(*region_[side], objects_[side], x);
   if (!deepest_.depth) deepest_.depth = 0;
   if (points_.empty()) return;
   const int other = 1 - side;
@@ -230,19 +212,26 @@ void FrameMeasurer::find_deepest(int side, Positions x) {
 
 // Of a surface that goes into itself, what is nearest is the rest of it: what is outside.
 void FrameMeasurer::find_deepest_of_body(Positions x) {
-  list_inner_points(*body_, body_query_, x);
+  list_inner_points(*body_, body_query_.object, x);
   if (points_.empty()) return;
   deepest_.depth = 0;
   other_ = body_cut_;
   other_corners_.clear();
-  for (const Index t : body_cut_) regions_.add_outside(t, x, other_corners_);
-  for (const auto& line : curves_.lines) {
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      const Vec3 p = curves_.piercings[line[i - 1]].position, q = curves_.piercings[line[i]].position;
-      other_corners_.push_back({p, q, q});
-    }
+  for (const Curves::Segment& segment : curves_.segments) {
+    const Vec3 &p = curves_.piercings[segment.ends[0]].position,
+               &q = curves_.piercings[segment.ends[1]].position;
+    other_corners_.push_back({p, q, q});
   }
-  raise_depth_around(body_query_.object, x, kAll, [&](Index t) { return regions_.has_corner_inside(t); });
+  // Of a triangle that is cut, the nearest point is where it was found, if that is outside, or else on an
+  // edge or a curve.
+  for (const Index t : body_cut_) regions_.add_outer_pieces(t, x, other_corners_);
+  const std::size_t begin = other_corners_.size();
+  add_corners(body_query_.object, x, 0);
+  tree_.counts = [&](std::size_t i, const Vec3& p) {
+    return i < begin || i - begin >= body_cut_.size() || !regions_.is_inside(body_cut_[i - begin], p, x);
+  };
+  raise_depth_around(body_query_.object, x, kAll, [&](Index t) { return regions_.reaches_inside(t); });
+  tree_.counts = nullptr;
 }
 
 // On which side of its faces a surface is outside: 1 in front, -1 behind, 0 nowhere, as it is open where it

@@ -37,7 +37,7 @@ class FrameMeasurer {
   void find_reach_of_tips(int side, Positions x);
   void split_body();
   void set_touching(ContactFrame& out);
-  void list_inner_points(const Region& region, const RegionQuery& query, Positions x);
+  void list_inner_points(const Region& region, Index object, Positions x);
   void begin_other(int side);
   void add_corners(Index object, Positions x, std::size_t begin);
   template <class Skip>
@@ -60,10 +60,9 @@ class FrameMeasurer {
   std::array<std::optional<Region>, 2> region_;
   std::vector<Index> body_cut_;  // of both sides
   RegionQuery body_query_;
-  std::optional<Region> body_;                 // of a surface that goes into itself: both sides as one
-  std::array<std::vector<Index>, 2> inside_;   // the region's triangles that do not cross
-  std::vector<std::pair<Edge, double>> cuts_;  // of inner points: edge and share
-  std::vector<Vec3> points_;                   // of one side, inside
+  std::optional<Region> body_;                // of a surface that goes into itself: both sides as one
+  std::array<std::vector<Index>, 2> inside_;  // the region's triangles that do not cross
+  std::vector<Vec3> points_;                  // of one side, inside
   std::vector<Index> other_;
   std::vector<std::array<Vec3, 3>> other_corners_;
   std::vector<Index> places_;          // per vertex: where it is in the body's list, if it is there

@@ -94,7 +94,8 @@ Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
         const Vec3 q = nearest_on_triangle(p, triangles_[i]);
         const double q2 = (q - p).squaredNorm();
         // Of equally near ones the same in every order.
-        if (q2 < best2 || (q2 == best2 && is_less(q, best))) best = q, best2 = q2;
+        if ((q2 < best2 || (q2 == best2 && is_less(q, best))) && (!counts || counts(centers_[i].triangle, q)))
+          best = q, best2 = q2;
       }
       continue;
     }

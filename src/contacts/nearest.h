@@ -1,6 +1,8 @@
 /// The nearest point of a set of triangles.
 #pragma once
 
+#include <functional>
+
 #include "foldproof/mesh.h"
 
 namespace foldproof::inline internal {
@@ -12,6 +14,9 @@ class NearestTriangles {
   void build(std::span<const std::array<Vec3, 3>> triangles);
   /// The nearest point to `p`; `known`, which is one of the triangles' points, if none is nearer.
   Vec3 nearest(const Vec3& p, const Vec3& known) const;
+  /// Whether a point of the triangle that was given as the `i`-th counts; null: all do. Where the nearest
+  /// point of a triangle does not, the triangle is left out.
+  std::function<bool(std::size_t i, const Vec3& point)> counts;
   bool empty() const { return nodes_.empty(); }
 
  private:

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "check/motion.h"
+#include "check/triangles_cross.h"
 
 namespace foldproof::internal {
 namespace {
@@ -37,33 +38,36 @@ std::size_t RegionFinder::end_behind(const Piercing& p, Positions x) const {
 }
 
 void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) {
+  all_cuts_.clear();
   cuts_.clear();
   walls_.clear();
-  passed_.clear();
+  segments_.clear();
+  curves_ = &curves;
   for (const Piercing& p : curves.piercings) {
     if (p.object != query.object) continue;
     if (p.face == kNoIndex) {
       walls_.push_back(p.edge[0]);
     } else if (query.sides[static_cast<std::size_t>(p.side)]) {
-      cuts_.push_back({p.edge, p.share, &p});
+      all_cuts_.push_back({p.edge, p.share, &p});
     }
   }
-  const auto is_before = [](const Cut& a, const Cut& b) { return a.edge < b.edge; };
-  std::sort(walls_.begin(), walls_.end());
-  if (query.sides[0] && query.sides[1]) std::stable_sort(cuts_.begin(), cuts_.end(), is_before);
-  // An edge that is pierced twice ends where it began.
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < cuts_.size();) {
-    std::size_t end = i + 1;
-    while (end < cuts_.size() && cuts_[end].edge == cuts_[i].edge) ++end;
-    if ((end - i) % 2 == 1) {
-      cuts_[count++] = cuts_[i];
-    } else {
-      passed_.push_back(cuts_[i].edge);
+  for (Index i = 0; i < curves.segments.size() && !walls_.empty(); ++i) {
+    const CrossingPair& pair = curves.pairs[curves.segments[i].pair];
+    for (int side = 0; side < 2; ++side) {
+      if (query.sides[static_cast<std::size_t>(side)]) segments_.push_back({pair.triangle(side), i});
     }
+  }
+  std::sort(segments_.begin(), segments_.end());
+  // An edge that is pierced twice ends where it began.
+  for (std::size_t i = 0; i < all_cuts_.size();) {
+    std::size_t end = i + 1;
+    while (end < all_cuts_.size() && all_cuts_[end].edge == all_cuts_[i].edge) ++end;
+    if ((end - i) % 2 == 1) cuts_.push_back(all_cuts_[i]);
+    std::sort(all_cuts_.begin() + static_cast<std::ptrdiff_t>(i),
+              all_cuts_.begin() + static_cast<std::ptrdiff_t>(end),
+              [](const Cut& a, const Cut& b) { return a.share < b.share; });
     i = end;
   }
-  cuts_.resize(count);
 }
 
 // The cut of an edge, whose vertices are in any order; null if there is none.
@@ -285,32 +289,136 @@ Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
   return from + cut->share * (position(x[object_], cut->edge[1]) - from);
 }
 
-bool RegionFinder::has_corner_inside(Index t) {
-  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
-  return std::any_of(corners.begin(), corners.end(), [&](Index v) { return is_inside(v); });
+// All cuts of an edge, whose vertices are in any order, from the smaller one on.
+std::span<const RegionFinder::Cut> RegionFinder::all_cuts(Index u, Index w) const {
+  const Edge edge{std::min(u, w), std::max(u, w)};
+  const auto begin = std::lower_bound(all_cuts_.begin(), all_cuts_.end(), edge,
+                                      [](const Cut& cut, const Edge& e) { return cut.edge < e; });
+  auto end = begin;
+  while (end != all_cuts_.end() && end->edge == edge) ++end;
+  return {begin, end};
 }
 
-void RegionFinder::add_outside(Index t, Positions x, std::vector<std::array<Vec3, 3>>& out) {
-  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
-  const auto at = [&](Index v) { return position(x[object_], v); };
-  if (!has_corner_inside(t)) {
-    for (int k = 0; k < 3; ++k) {
-      const Index a = corners[k], b = corners[(k + 1) % 3];
-      if (std::binary_search(passed_.begin(), passed_.end(), Edge{std::min(a, b), std::max(a, b)})) return;
+std::span<const std::array<Index, 2>> RegionFinder::segments_in(Index triangle) const {
+  return {std::lower_bound(segments_.begin(), segments_.end(), std::array<Index, 2>{triangle, 0}),
+          std::lower_bound(segments_.begin(), segments_.end(), std::array<Index, 2>{triangle + 1, 0})};
+}
+
+// Whether the edge to `w` is inside where it begins.
+bool RegionFinder::is_inside_at(Index u, Index w) {
+  if (!is_wall(u)) return is_inside(u);
+  if (!is_wall(w)) return is_inside(w) != (all_cuts(u, w).size() % 2 == 1);
+  return is_inside_between_walls(u, w);
+}
+
+// Around `u`, what is inside changes where curves begin in a corner: up to a neighbor that is not a wall.
+bool RegionFinder::is_inside_between_walls(Index u, Index w) {
+  bool changes = false;
+  Index last = kNoIndex;
+  for (std::size_t i = 0; i < surfaces_.triangles_at(object_, u).size(); ++i) {
+    surfaces_.triangles_with_edge(object_, {u, w}, at_edge_);
+    const auto next = std::find_if(at_edge_.begin(), at_edge_.end(), [&](Index t) { return t != last; });
+    if (next == at_edge_.end() || !surfaces_.is_face(object_, *next)) return false;
+    last = *next;
+    for (const auto& [triangle, segment] : segments_in(last)) {
+      for (const Index n : curves_->segments[segment].ends) {
+        const Piercing& p = curves_->piercings[n];
+        changes ^= p.face == kNoIndex && p.edge[0] == u;
+      }
     }
-    out.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
-    return;
+    const Triangle& corners = surfaces_.topology(object_).triangles()[last];
+    w = *std::find_if(corners.begin(), corners.end(), [&](Index v) { return v != u && v != w; });
+    if (!is_wall(w)) return is_inside_at(u, w) != changes;
   }
-  const auto k = lone_corner(corners);
-  if (!k) return;
-  const Index a = corners[*k], b = corners[(*k + 1) % 3], c = corners[(*k + 2) % 3];
-  const Vec3 to_b = cut_at(a, b, x), to_c = cut_at(a, c, x);
-  if (is_inside(a)) {
-    out.push_back({to_b, at(b), at(c)});
-    out.push_back({to_b, at(c), to_c});
-  } else {
-    out.push_back({at(a), to_b, to_c});
+  return false;
+}
+
+// Calls visit(begin, end, inside, between) with the pieces of an edge: shares of it, and whether both ends
+// are on curves.
+template <class Visit>
+void RegionFinder::for_each_piece(const Edge& edge, const Visit& visit) {
+  bool inside = is_inside_at(edge[0], edge[1]), between = is_wall(edge[0]);
+  double begin = 0;
+  for (const Cut& cut : all_cuts(edge[0], edge[1])) {
+    visit(begin, cut.share, inside, between);
+    begin = cut.share, inside = !inside, between = true;
   }
+  visit(begin, 1.0, inside, between && is_wall(edge[1]));
+}
+
+// Points on the pieces of edges that are inside and begin and end on curves; where few vertices are inside,
+// on those at vertices, too.
+void RegionFinder::add_points_of_edges(Positions x, Region& region) {
+  constexpr std::size_t kFew = 16;
+  constexpr int kSteps = 16;
+  const bool few = region.vertices.size() <= kFew;
+  with_pieces_.clear();
+  const auto add = [&](const Edge& edge) {
+    const Vec3 from = position(x[object_], edge[0]), to = position(x[object_], edge[1]);
+    for_each_piece(edge, [&](double begin, double end, bool inside, bool between) {
+      if (!inside || !(between || few)) return;
+      for (int k = 1; k < kSteps; ++k)
+        region.points.push_back(from + (begin + k * (end - begin) / kSteps) * (to - from));
+      if (between) with_pieces_.push_back(edge);
+    });
+  };
+  for (std::size_t i = 0; i < all_cuts_.size(); ++i) {
+    if (i == 0 || all_cuts_[i].edge != all_cuts_[i - 1].edge) add(all_cuts_[i].edge);
+  }
+  // Edges that are not cut.
+  const auto add_around = [&](Index u, bool only_walls) {
+    surfaces_.for_each_neighbor(object_, u, [&](Index w) {
+      const bool first = only_walls ? is_wall(w) && u < w : is_wall(w) || u < w;
+      if (first && surfaces_.is_of_face(object_, {u, w}) && all_cuts(u, w).empty())
+        add({std::min(u, w), std::max(u, w)});
+    });
+  };
+  for (const Index u : walls_) add_around(u, true);
+  for (std::size_t i = 0; i < region.vertices.size() && few; ++i) add_around(region.vertices[i], false);
+  std::sort(with_pieces_.begin(), with_pieces_.end());
+}
+
+bool RegionFinder::reaches_inside(Index t) {
+  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
+  for (int k = 0; k < 3; ++k) {
+    const auto [a, b] = std::minmax(corners[k], corners[(k + 1) % 3]);
+    if (is_inside(corners[k]) || std::binary_search(with_pieces_.begin(), with_pieces_.end(), Edge{a, b}))
+      return true;
+  }
+  return false;
+}
+
+void RegionFinder::add_outer_pieces(Index t, Positions x, std::vector<std::array<Vec3, 3>>& out) {
+  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
+  for (int k = 0; k < 3; ++k) {
+    const auto [a, b] = std::minmax(corners[k], corners[(k + 1) % 3]);
+    const Vec3 from = position(x[object_], a), to = position(x[object_], b);
+    for_each_piece({a, b}, [&](double begin, double end, bool inside, bool) {
+      const Vec3 last = from + end * (to - from);
+      if (!inside) out.push_back({from + begin * (to - from), last, last});
+    });
+  }
+}
+
+// On the way from a piece of an edge, each segment that is crossed leads in or out.
+bool RegionFinder::is_inside(Index t, const Vec3& p, Positions x) {
+  const Triangle& corners = surfaces_.topology(object_).triangles()[t];
+  const auto [a, b, c] = foldproof::corners(x[object_], corners);
+  const auto cuts = all_cuts(corners[0], corners[1]);
+  bool inside = is_inside_at(corners[0], corners[1]);
+  // The first piece from that corner on.
+  double end = 1;
+  if (!cuts.empty()) end = corners[0] < corners[1] ? cuts.front().share : 1 - cuts.back().share;
+  const Vec3 begin = a + end / 2 * (b - a), normal = (b - a).cross(c - a);
+  const auto side = [&](const Vec3& u, const Vec3& v, const Vec3& w) {
+    return normal.dot((v - u).cross(w - u)) >= 0;
+  };
+  for (const auto& [triangle, segment] : segments_in(t)) {
+    const auto& ends = curves_->segments[segment].ends;
+    const Vec3 &u = curves_->piercings[ends[0]].position, &v = curves_->piercings[ends[1]].position;
+    inside ^= side(begin, p, u) != side(begin, p, v) && side(u, v, begin) != side(u, v, p);
+  }
+  return inside;
 }
 
 Region RegionFinder::region(const Curves& curves, std::span<const Index> crossing, Positions x) {
@@ -347,6 +455,7 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
     out.area += is_inside(a) ? corner : triangle_area(at(a), at(b), at(c)) - corner;
   }
   if (out.vertices.empty()) out.area = enclosed_area(curves);
+  add_points_of_edges(x, out);
   return out;
 }
 

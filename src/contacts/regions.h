@@ -11,6 +11,7 @@ namespace foldproof::inline internal {
 struct Region {
   std::vector<Index> vertices;   ///< Inside, ascending; the object's own ids.
   std::vector<Index> triangles;  ///< With all corners inside, ascending.
+  std::vector<Vec3> points;      ///< Inside, on edges between the curves.
   double area = 0;               ///< Mesh units squared; triangles that cross count in part.
   Index last = kNoIndex;         ///< A vertex that is far from the curves, along the surface.
 };
@@ -37,11 +38,12 @@ class RegionFinder {
   /// the surface, to the ends of the cut edges before the other surface's faces than to those behind, and the
   /// others. Only the nearest: some dozens, and some for each cut edge.
   std::array<std::vector<Index>, 2> find_tips(const Curves& curves, const RegionQuery& query, Positions x);
-  /// Whether a triangle has a corner in the last region.
-  bool has_corner_inside(Index triangle);
-  /// Appends what of a triangle that the curves of the last region cut is outside; nothing where they cut it
-  /// in more than two parts.
-  void add_outside(Index triangle, Positions x, std::vector<std::array<Vec3, 3>>& out);
+  /// Whether a triangle has a corner or a piece of an edge in the last region.
+  bool reaches_inside(Index triangle);
+  /// Appends the pieces of a triangle's edges that are outside the last region.
+  void add_outer_pieces(Index triangle, Positions x, std::vector<std::array<Vec3, 3>>& out);
+  /// Whether a point of a triangle is in the last region.
+  bool is_inside(Index triangle, const Vec3& p, Positions x);
 
  private:
   // Vertices that are connected without crossing a curve, as far as they were visited.
@@ -74,13 +76,24 @@ class RegionFinder {
   bool is_inside(Index vertex);
   std::optional<int> lone_corner(const Triangle& triangle);
   Vec3 cut_at(Index u, Index w, Positions x) const;
+  std::span<const Cut> all_cuts(Index u, Index w) const;
+  std::span<const std::array<Index, 2>> segments_in(Index triangle) const;
+  bool is_inside_at(Index u, Index w);
+  bool is_inside_between_walls(Index u, Index w);
+  void add_points_of_edges(Positions x, Region& region);
+  template <class Visit>
+  void for_each_piece(const Edge& edge, const Visit& visit);
   Region region(const Curves& curves, std::span<const Index> crossing, Positions x);
 
   const Surfaces& surfaces_;
   Index object_ = 0;
-  std::vector<Cut> cuts_;     // edges that are pierced an odd number of times, sorted
-  std::vector<Edge> passed_;  // edges that are pierced an even number of times, sorted
-  std::vector<Index> walls_;  // vertices on a curve, sorted: nothing is connected through them
+  std::vector<Cut> all_cuts_;  // sorted by edge and share
+  std::vector<Cut> cuts_;      // the first of each edge that has an odd number
+  std::vector<Index> walls_;   // vertices on a curve, sorted: nothing is connected through them
+  const Curves* curves_ = nullptr;
+  std::vector<std::array<Index, 2>> segments_;  // triangles and segments in them, sorted
+  std::vector<Edge> with_pieces_;               // edges with pieces inside between curves, sorted
+  std::vector<Index> at_edge_;
   std::vector<Component> components_;
   std::vector<Index> active_;
   std::vector<Index> component_at_;  // per vertex of the object, with `stamp_`
