@@ -22,7 +22,8 @@ double noise(double coordinate, std::uint64_t seed) {
 // Positions that are displaced a little.
 class Displaced {
  public:
-  Displaced(std::span<const CrossingPair> pairs, const Surfaces& surfaces, Positions x) : x_(x) {
+  Displaced(std::span<const CrossingPair> pairs, const Surfaces& surfaces, Positions x)
+      : surfaces_(surfaces), x_(x) {
     double largest = 0;
     for (const CrossingPair& pair : pairs) {
       for (int side = 0; side < 2; ++side) {
@@ -38,12 +39,17 @@ class Displaced {
 
   Vec3 at(Index object, Index vertex) const {
     const Vec3 p = position(x_[object], vertex);
-    const std::uint64_t seed = (object + 1) * 0x632BE59BD9B4E019u;
+    // The same for vertices of a seam, another for each closed surface.
+    const Shells& shells = surfaces_.shells(object);
+    const Index shell = shells.of(vertex);
+    const std::uint64_t own = shell != kNoIndex && shells.is_closed(shell) ? shell + 1 : 0;
+    const std::uint64_t seed = ((object + 1) + (own << 32)) * 0x632BE59BD9B4E019u;
     const double all = noise(p[0], seed) + noise(p[1], seed + 1) + noise(p[2], seed + 2);
     return p + scale_ * Vec3(noise(all, seed + 3), noise(all, seed + 4), noise(all, seed + 5));
   }
 
  private:
+  const Surfaces& surfaces_;
   Positions x_;
   double scale_;
 };

@@ -131,13 +131,6 @@ void FrameMeasurer::raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepes
   raise_to_farthest({half, points.end()}, known, most);
 }
 
-// Raises the depth to the largest distance of points_ to other_corners_.
-void FrameMeasurer::raise_depth() {
-  if (points_.empty() || other_corners_.empty()) return;
-  tree_.build(other_corners_);
-  raise_to_farthest(points_, other_corners_[0][0], deepest_);
-}
-
 // Raises the depth to the largest distance of points_ to other_corners_, or to the surface around: what is
 // connected to other_, whose corners are those at first.
 template <class Skip>
@@ -190,6 +183,10 @@ void FrameMeasurer::raise_depth_around(int side, Positions x, bool all) {
   const Index object = objects_[1 - side];
   const bool within = objects_[0] == objects_[1];
   begin_other(1 - side);
+  if (region_[1 - side]) {
+    other_.insert(other_.end(), region_[1 - side]->triangles.begin(), region_[1 - side]->triangles.end());
+    sort_unique(other_);
+  }
   add_corners(object, x, 0);
   raise_depth_around(object, x, all ? kAll : 2 * other_.size() + 256, [&](Index t) {
     return within &&
@@ -201,13 +198,7 @@ void FrameMeasurer::find_deepest(int side, Positions x) {
   list_inner_points(*region_[side], objects_[side], x);
   if (!deepest_.depth) deepest_.depth = 0;
   if (points_.empty()) return;
-  const int other = 1 - side;
-  if (!region_[other]) return raise_depth_around(side, x, true);
-  begin_other(other);
-  other_.insert(other_.end(), region_[other]->triangles.begin(), region_[other]->triangles.end());
-  sort_unique(other_);
-  add_corners(objects_[other], x, 0);
-  raise_depth();
+  raise_depth_around(side, x, true);
 }
 
 // Of a surface that goes into itself, what is nearest is the rest of it: what is outside.

@@ -44,7 +44,6 @@ class FrameMeasurer {
   void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,
                 const Skip& skip);
   void raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepest& most) const;
-  void raise_depth();
   void raise_depth_around(int side, Positions x, bool all);
   template <class Skip>
   void raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip);
