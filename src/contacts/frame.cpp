@@ -53,13 +53,15 @@ void FrameMeasurer::list_triangles(std::span<const CrossingPair> pairs, int side
   std::sort(out.begin(), out.end());
 }
 
-// What is inside: vertices, and the middles of pieces of edges whose ends are outside.
+// What is inside: vertices and pieces of edges.
 void FrameMeasurer::list_inner_points(const Region& region, Index object, Positions x) {
+  constexpr int kSplits = 3;  // the ends of a piece are on curves: of the rest, the points at each 16th
   points_.clear();
   // What may be deepest comes first: points that are less deep are then ruled out quickly.
-  if (region.last != kNoIndex) points_.push_back(position(x[object], region.last));
-  for (const Index v : region.vertices) points_.push_back(position(x[object], v));
-  points_.insert(points_.end(), region.points.begin(), region.points.end());
+  if (region.last != kNoIndex) points_.push_back({position(x[object], region.last)});
+  for (const Index v : region.vertices) points_.push_back({position(x[object], v)});
+  for (const auto& [from, to] : region.pieces)
+    points_.push_back({from + (to - from) / 2, (to - from) / 2, (to - from).norm() / 2, kSplits});
 }
 
 // Adds to other_ what is connected to it and not farther from all points, but for what is skipped; the
@@ -100,35 +102,39 @@ void FrameMeasurer::add_corners(Index object, Positions x, std::size_t begin) {
     other_corners_.push_back(corners(x[object], triangles[other_[i]]));
 }
 
-// Raises `most` to the point of `points` that is farthest from the tree's triangles, if one is farther; one
-// of the triangles' points is `known`. Changes the order of points.
-void FrameMeasurer::raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepest& most) const {
-  constexpr std::size_t kFew = 4;
-  if (points.size() <= kFew) {
-    for (const Vec3& p : points) {
-      // A point is not farther than any point of the triangles is: the nearest one of the last point.
-      if ((known - p).norm() <= *most.depth) continue;
-      known = tree_.nearest(p, known);
-      if ((known - p).norm() > *most.depth) most = {(known - p).norm(), p, known};
+// Raises `most` to the point of `points` that is farthest from the triangles, if one is farther; one of the
+// triangles' points is `known`. Uses points up.
+void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Vec3 known, Deepest& most) {
+  constexpr int kRounds = 64;  // then those that remain are about equally deep, and all of them are asked for
+  // No point is farther than any point of the triangles is.
+  const auto bound = [&](const InnerPoint& p) {
+    return std::min(p.bound, (known - p.middle).norm() + p.radius);
+  };
+  for (int round = 0; !points.empty(); ++round) {
+    if (round < kRounds) {
+      std::size_t count = 0, farthest = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i].bound = bound(points[i]);
+        if (points[i].bound <= *most.depth) continue;
+        points[count] = points[i];
+        if (points[count].bound > points[farthest].bound) farthest = count;
+        ++count;
+      }
+      points.resize(count);
+      if (points.empty()) return;
+      std::swap(points[farthest], points.back());
     }
-    return;
+    const InnerPoint p = points.back();
+    points.pop_back();
+    if (bound(p) <= *most.depth) continue;
+    known = nearest_.nearest(p.middle, known);
+    const double distance = (known - p.middle).norm();
+    if (distance > *most.depth) most = {distance, p.middle, known};
+    if (p.splits == 0) continue;
+    for (const double way : {-0.5, 0.5})
+      points.push_back(
+          {p.middle + way * p.half, p.half / 2, p.radius / 2, p.splits - 1, distance + p.radius});
   }
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const Vec3 middle = low + (high - low) / 2;
-  double radius2 = 0;
-  for (const Vec3& p : points) radius2 = std::max(radius2, (p - middle).squaredNorm());
-  const double radius = std::sqrt(radius2);
-  if ((known - middle).norm() + radius <= *most.depth) return;
-  known = tree_.nearest(middle, known);
-  if ((known - middle).norm() + radius <= *most.depth) return;
-  const Vec3 extent = high - low;
-  const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
-  const auto half = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  std::nth_element(points.begin(), half, points.end(),
-                   [&](const Vec3& p, const Vec3& q) { return p[axis] < q[axis]; });
-  raise_to_farthest({points.begin(), half}, known, most);
-  raise_to_farthest({half, points.end()}, known, most);
 }
 
 // Raises the depth to the largest distance of points_ to other_corners_, or to the surface around: what is
@@ -136,16 +142,17 @@ void FrameMeasurer::raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepes
 template <class Skip>
 void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip) {
   if (points_.empty() || other_corners_.empty()) return;
-  tree_.build(other_corners_);
+  nearest_.set(other_corners_);
   const std::size_t seeds = other_.size(), corners = other_corners_.size();
   // No point is deeper than the farthest from other_corners_. It may be as deep, and then it is the deepest;
   // else those matter that may be deeper.
-  Deepest bound = deepest_;
-  raise_to_farthest(points_, other_corners_[0][0], bound);
-  if (*bound.depth <= *deepest_.depth) return;
   const Vec3 known = other_corners_[0][0];
-  std::vector<Vec3> deep(1, bound.point);
-  add_near(object, x, deep, *bound.depth, most, skip);
+  Deepest bound = deepest_;
+  left_ = points_;
+  raise_to_farthest(left_, known, bound);
+  if (*bound.depth <= *deepest_.depth) return;
+  std::vector<Vec3> ends(1, bound.point);
+  add_near(object, x, ends, *bound.depth, most, skip);
   add_corners(object, x, seeds);
   Deepest first = bound;
   for (std::size_t i = corners; i < other_corners_.size(); ++i) {
@@ -155,20 +162,24 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   }
   if (*first.depth > *deepest_.depth) deepest_ = first;
   if (*first.depth == *bound.depth) return;
-  deep.clear();
-  Vec3 nearest = bound.nearest;
-  for (const Vec3& p : points_) {
-    if ((nearest - p).norm() <= *deepest_.depth) continue;
-    nearest = tree_.nearest(p, nearest);
-    if ((nearest - p).norm() > *deepest_.depth) deep.push_back(p);
+  left_ = points_;
+  Vec3 near = bound.nearest;
+  std::erase_if(left_, [&](const InnerPoint& p) {
+    if ((near - p.middle).norm() + p.radius <= *deepest_.depth) return true;
+    near = nearest_.nearest(p.middle, near);
+    return (near - p.middle).norm() + p.radius <= *deepest_.depth;
+  });
+  if (left_.empty()) return;
+  ends.clear();
+  for (const InnerPoint& p : left_) {
+    for (const double way : {-1, 1}) ends.push_back(p.middle + way * p.half);
   }
-  if (deep.empty()) return;
   other_.resize(seeds);
   other_corners_.resize(corners);
-  add_near(object, x, deep, *bound.depth, most, skip);
+  add_near(object, x, ends, *bound.depth, most, skip);
   add_corners(object, x, seeds);
-  tree_.build(other_corners_);
-  raise_to_farthest(deep, known, deepest_);
+  nearest_.set(other_corners_);
+  raise_to_farthest(left_, known, deepest_);
 }
 
 // The faces of a side that cross, as other_.
@@ -218,11 +229,11 @@ void FrameMeasurer::find_deepest_of_body(Positions x) {
   for (const Index t : body_cut_) regions_.add_outer_pieces(t, x, other_corners_);
   const std::size_t begin = other_corners_.size();
   add_corners(body_query_.object, x, 0);
-  tree_.counts = [&](std::size_t i, const Vec3& p) {
+  nearest_.counts = [&](std::size_t i, const Vec3& p) {
     return i < begin || i - begin >= body_cut_.size() || !regions_.is_inside(body_cut_[i - begin], p, x);
   };
   raise_depth_around(body_query_.object, x, kAll, [&](Index t) { return regions_.reaches_inside(t); });
-  tree_.counts = nullptr;
+  nearest_.counts = nullptr;
 }
 
 // On which side of its faces a surface is outside: 1 in front, -1 behind, 0 nowhere, as it is open where it
@@ -293,7 +304,7 @@ void FrameMeasurer::find_reach_of_tips(int side, Positions x) {
   std::optional<Deepest> least;
   for (const auto& tip : tips) {
     points_.clear();
-    for (const Index v : tip) points_.push_back(position(x[objects_[side]], v));
+    for (const Index v : tip) points_.push_back({position(x[objects_[side]], v)});
     if (points_.empty()) continue;
     deepest_.depth = 0;
     raise_depth_around(side, x, false);

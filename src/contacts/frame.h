@@ -1,6 +1,8 @@
 /// What a contact is in one frame: its curves, regions and depth.
 #pragma once
 
+#include <limits>
+
 #include "contacts/nearest.h"
 #include "contacts/regions.h"
 #include "foldproof/contacts.h"
@@ -27,6 +29,14 @@ class FrameMeasurer {
     Vec3 point, nearest;
   };
 
+  // A point inside, or the middle of a piece of an edge.
+  struct InnerPoint {
+    Vec3 middle, half = Vec3::Zero();                        // half of the piece
+    double radius = 0;                                       // of the piece
+    int splits = 0;                                          // how often it is to be split
+    double bound = std::numeric_limits<double>::infinity();  // not deeper than this
+  };
+
   void begin_marks(Index object);
   void list_triangles(std::span<const CrossingPair> pairs, int side, std::vector<Index>& out);
   void find_regions(bool folded, Positions x);
@@ -43,7 +53,7 @@ class FrameMeasurer {
   template <class Skip>
   void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,
                 const Skip& skip);
-  void raise_to_farthest(std::span<Vec3> points, Vec3 known, Deepest& most) const;
+  void raise_to_farthest(std::vector<InnerPoint>& points, Vec3 known, Deepest& most);
   void raise_depth_around(int side, Positions x, bool all);
   template <class Skip>
   void raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip);
@@ -61,14 +71,14 @@ class FrameMeasurer {
   RegionQuery body_query_;
   std::optional<Region> body_;                // of a surface that goes into itself: both sides as one
   std::array<std::vector<Index>, 2> inside_;  // the region's triangles that do not cross
-  std::vector<Vec3> points_;                  // of one side, inside
+  std::vector<InnerPoint> points_, left_;     // of one side, inside; those that may be deepest
   std::vector<Index> other_;
   std::vector<std::array<Vec3, 3>> other_corners_;
   std::vector<Index> places_;          // per vertex: where it is in the body's list, if it is there
   std::vector<std::uint8_t> side_of_;  // per vertex of the body
   std::vector<std::uint32_t> seen_;    // per triangle: the last search that saw it
   std::uint32_t now_ = 0;
-  NearestTriangles tree_;
+  NearestTriangles nearest_;
   Deepest deepest_;
 };
 

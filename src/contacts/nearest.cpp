@@ -1,6 +1,7 @@
 #include "contacts/nearest.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace foldproof::internal {
 namespace {
@@ -37,25 +38,27 @@ Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
   return best;
 }
 
-void NearestTriangles::build(std::span<const std::array<Vec3, 3>> triangles) {
+void NearestTriangles::set(std::span<const std::array<Vec3, 3>> triangles) {
+  triangles_.assign(triangles.begin(), triangles.end());
   nodes_.clear();
-  centers_.clear();
+  balls_.clear();
+  asked_ = 0;
   for (Index i = 0; i < triangles.size(); ++i) {
     const auto& [a, b, c] = triangles[i];
-    centers_.push_back({a + b + c, i});
+    const Vec3 center = (a + b + c) / 3;
+    const double square =
+        std::max({(a - center).squaredNorm(), (b - center).squaredNorm(), (c - center).squaredNorm()});
+    balls_.push_back({center, std::sqrt(square) * (1 + 0x1p-40), i});
   }
-  triangles_.resize(triangles.size());
-  if (!triangles.empty()) build_node(triangles, 0, static_cast<Index>(triangles.size()));
 }
 
-Index NearestTriangles::build_node(std::span<const std::array<Vec3, 3>> triangles, Index begin, Index end) {
+Index NearestTriangles::build_node(Index begin, Index end) {
   const auto id = static_cast<Index>(nodes_.size());
   nodes_.emplace_back();
   if (end - begin <= kLeafSize) {
-    Node node{triangles[centers_[begin].triangle][0], triangles[centers_[begin].triangle][0], 0, begin, end};
+    Node node{triangles_[balls_[begin].triangle][0], triangles_[balls_[begin].triangle][0], 0, begin, end};
     for (Index i = begin; i < end; ++i) {
-      triangles_[i] = triangles[centers_[i].triangle];
-      for (const Vec3& v : triangles_[i]) {
+      for (const Vec3& v : triangles_[balls_[i].triangle]) {
         node.low = node.low.cwiseMin(v);
         node.high = node.high.cwiseMax(v);
       }
@@ -63,39 +66,51 @@ Index NearestTriangles::build_node(std::span<const std::array<Vec3, 3>> triangle
     nodes_[id] = node;
     return id;
   }
-  Vec3 low = centers_[begin].sum, high = low;
+  Vec3 low = balls_[begin].center, high = low;
   for (Index i = begin; i < end; ++i)
-    low = low.cwiseMin(centers_[i].sum), high = high.cwiseMax(centers_[i].sum);
+    low = low.cwiseMin(balls_[i].center), high = high.cwiseMax(balls_[i].center);
   const Vec3 extent = high - low;
   const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
   const Index middle = begin + (end - begin) / 2;
-  std::nth_element(centers_.begin() + begin, centers_.begin() + middle, centers_.begin() + end,
-                   [&](const Center& a, const Center& b) { return a.sum[axis] < b.sum[axis]; });
-  const Index left = build_node(triangles, begin, middle), right = build_node(triangles, middle, end);
+  std::nth_element(balls_.begin() + begin, balls_.begin() + middle, balls_.begin() + end,
+                   [&](const Ball& a, const Ball& b) { return a.center[axis] < b.center[axis]; });
+  const Index left = build_node(begin, middle), right = build_node(middle, end);
   nodes_[id] = {nodes_[left].low.cwiseMin(nodes_[right].low), nodes_[left].high.cwiseMax(nodes_[right].high),
                 right, begin, end};
   return id;
 }
 
-Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
-  Vec3 best = known;
-  double best2 = (best - p).squaredNorm();
+void NearestTriangles::try_triangle(const Vec3& p, Index triangle, Best& best) const {
+  const Vec3 q = nearest_on_triangle(p, triangles_[triangle]);
+  const double square = (q - p).squaredNorm();
+  // Of equally near ones the same in every order.
+  if (square > best.square || (square == best.square && !is_less(q, best.point))) return;
+  if (!counts || counts(triangle, q)) best = {q, square};
+}
+
+void NearestTriangles::search_list(const Vec3& p, Best& best) const {
+  double distance = std::sqrt(best.square);
+  for (const Ball& ball : balls_) {
+    const double reach = (distance + ball.radius) * (1 + 0x1p-40);
+    if ((ball.center - p).squaredNorm() > reach * reach) continue;
+    try_triangle(p, ball.triangle, best);
+    distance = std::sqrt(best.square);
+  }
+}
+
+void NearestTriangles::search_tree(const Vec3& p, Best& best) const {
   std::array<Index, 64> stack;  // the tree is balanced: at most 32 levels
   std::size_t size = 0;
   stack[size++] = 0;
   while (size > 0) {
     const Index id = stack[--size];
     const Node& node = nodes_[id];
-    if (box_distance2(p, node.low, node.high) > best2) continue;
+    if (box_distance2(p, node.low, node.high) > best.square) continue;
     if (node.right == 0) {
       for (Index i = node.begin; i < node.end; ++i) {
-        const auto& [a, b, c] = triangles_[i];
-        if (box_distance2(p, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)) > best2) continue;
-        const Vec3 q = nearest_on_triangle(p, triangles_[i]);
-        const double q2 = (q - p).squaredNorm();
-        // Of equally near ones the same in every order.
-        if ((q2 < best2 || (q2 == best2 && is_less(q, best))) && (!counts || counts(centers_[i].triangle, q)))
-          best = q, best2 = q2;
+        const auto& [a, b, c] = triangles_[balls_[i].triangle];
+        if (box_distance2(p, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)) <= best.square)
+          try_triangle(p, balls_[i].triangle, best);
       }
       continue;
     }
@@ -105,7 +120,18 @@ Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) const {
     stack[size++] = left_first ? right : left;
     stack[size++] = left_first ? left : right;
   }
-  return best;
+}
+
+Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) {
+  constexpr std::size_t kFew = 64;  // about as many searches of the list take as long as the tree's building
+  Best best{known, (known - p).squaredNorm()};
+  if (asked_++ < kFew) {
+    search_list(p, best);
+  } else {
+    if (nodes_.empty()) build_node(0, static_cast<Index>(balls_.size()));
+    search_tree(p, best);
+  }
+  return best.point;
 }
 
 }  // namespace foldproof::internal

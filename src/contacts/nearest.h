@@ -7,17 +7,16 @@
 
 namespace foldproof::inline internal {
 
-/// A tree of boxes over triangles of one pose. Buffers are kept.
+/// Triangles of one pose: a list at first, a tree of boxes where many points are asked for. Buffers are kept.
 class NearestTriangles {
  public:
-  /// Replaces the triangles. Cost: O(n log n).
-  void build(std::span<const std::array<Vec3, 3>> triangles);
+  /// Replaces the triangles.
+  void set(std::span<const std::array<Vec3, 3>> triangles);
   /// The nearest point to `p`; `known`, which is one of the triangles' points, if none is nearer.
-  Vec3 nearest(const Vec3& p, const Vec3& known) const;
+  Vec3 nearest(const Vec3& p, const Vec3& known);
   /// Whether a point of the triangle that was given as the `i`-th counts; null: all do. Where the nearest
   /// point of a triangle does not, the triangle is left out.
   std::function<bool(std::size_t i, const Vec3& point)> counts;
-  bool empty() const { return nodes_.empty(); }
 
  private:
   struct Node {
@@ -25,15 +24,25 @@ class NearestTriangles {
     Index right = 0;  // child; the left one is the next node. 0: a leaf
     Index begin = 0, end = 0;
   };
-  struct Center {
-    Vec3 sum;  // of the corners
+  struct Ball {
+    Vec3 center;
+    double radius;
     Index triangle;
   };
-  Index build_node(std::span<const std::array<Vec3, 3>> triangles, Index begin, Index end);
+  // The nearest point so far.
+  struct Best {
+    Vec3 point;
+    double square;
+  };
+  Index build_node(Index begin, Index end);
+  void try_triangle(const Vec3& p, Index triangle, Best& best) const;
+  void search_list(const Vec3& p, Best& best) const;
+  void search_tree(const Vec3& p, Best& best) const;
 
-  std::vector<std::array<Vec3, 3>> triangles_;  // in the order of the leaves
-  std::vector<Center> centers_;
+  std::vector<std::array<Vec3, 3>> triangles_;
+  std::vector<Ball> balls_;  // around the triangles, in the order of the leaves once there is a tree
   std::vector<Node> nodes_;
+  std::size_t asked_ = 0;
 };
 
 /// The nearest point of a triangle to `p` (Ericson, Real-Time Collision Detection, 5.1.5). Degenerate

@@ -348,17 +348,15 @@ void RegionFinder::for_each_piece(const Edge& edge, const Visit& visit) {
 
 // Points on the pieces of edges that are inside and begin and end on curves; where few vertices are inside,
 // on those at vertices, too.
-void RegionFinder::add_points_of_edges(Positions x, Region& region) {
+void RegionFinder::add_pieces(Positions x, Region& region) {
   constexpr std::size_t kFew = 16;
-  constexpr int kSteps = 16;
   const bool few = region.vertices.size() <= kFew;
   with_pieces_.clear();
   const auto add = [&](const Edge& edge) {
     const Vec3 from = position(x[object_], edge[0]), to = position(x[object_], edge[1]);
     for_each_piece(edge, [&](double begin, double end, bool inside, bool between) {
       if (!inside || !(between || few)) return;
-      for (int k = 1; k < kSteps; ++k)
-        region.points.push_back(from + (begin + k * (end - begin) / kSteps) * (to - from));
+      region.pieces.push_back({from + begin * (to - from), from + end * (to - from)});
       if (between) with_pieces_.push_back(edge);
     });
   };
@@ -455,7 +453,7 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
     out.area += is_inside(a) ? corner : triangle_area(at(a), at(b), at(c)) - corner;
   }
   if (out.vertices.empty()) out.area = enclosed_area(curves);
-  add_points_of_edges(x, out);
+  add_pieces(x, out);
   return out;
 }
 

@@ -9,11 +9,11 @@ namespace foldproof::inline internal {
 
 /// What of one side, or of a surface that goes into itself, is inside.
 struct Region {
-  std::vector<Index> vertices;   ///< Inside, ascending; the object's own ids.
-  std::vector<Index> triangles;  ///< With all corners inside, ascending.
-  std::vector<Vec3> points;      ///< Inside, on edges between the curves.
-  double area = 0;               ///< Mesh units squared; triangles that cross count in part.
-  Index last = kNoIndex;         ///< A vertex that is far from the curves, along the surface.
+  std::vector<Index> vertices;              ///< Inside, ascending; the object's own ids.
+  std::vector<Index> triangles;             ///< With all corners inside, ascending.
+  std::vector<std::array<Vec3, 2>> pieces;  ///< Inside, of edges that are cut.
+  double area = 0;                          ///< Mesh units squared; triangles that cross count in part.
+  Index last = kNoIndex;                    ///< A vertex that is far from the curves, along the surface.
 };
 
 /// Which curves divide a surface, and what of it is inside.
@@ -80,7 +80,7 @@ class RegionFinder {
   std::span<const std::array<Index, 2>> segments_in(Index triangle) const;
   bool is_inside_at(Index u, Index w);
   bool is_inside_between_walls(Index u, Index w);
-  void add_points_of_edges(Positions x, Region& region);
+  void add_pieces(Positions x, Region& region);
   template <class Visit>
   void for_each_piece(const Edge& edge, const Visit& visit);
   Region region(const Curves& curves, std::span<const Index> crossing, Positions x);
