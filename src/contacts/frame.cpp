@@ -10,6 +10,7 @@ namespace foldproof::internal {
 namespace {
 
 constexpr std::uint8_t kUnknown = 2;
+constexpr std::size_t kKnown = 16;
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 void sort_unique(std::vector<Index>& ids) {
@@ -102,19 +103,23 @@ void FrameMeasurer::add_corners(Index object, Positions x, std::size_t begin) {
     other_corners_.push_back(corners(x[object], triangles[other_[i]]));
 }
 
-// Raises `most` to the point of `points` that is farthest from the triangles, if one is farther; one of the
-// triangles' points is `known`. Uses points up.
-void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Vec3 known, Deepest& most) {
+// Raises `most` to the point of `points` that is farthest from the triangles, if one is farther; known_ are
+// some of the triangles' points. Uses points up.
+void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Deepest& most) {
   constexpr int kRounds = 64;  // then those that remain are about equally deep, and all of them are asked for
+  std::size_t first = 0;
   // No point is farther than any point of the triangles is.
-  const auto bound = [&](const InnerPoint& p) {
-    return std::min(p.bound, (known - p.middle).norm() + p.radius);
+  const auto lower_bound = [&](InnerPoint& p) {
+    for (std::size_t i = first; i < known_.size(); ++i) {
+      const double bound = (known_[i] - p.middle).norm() + p.radius;
+      if (bound < p.bound) p.bound = bound, p.nearest = static_cast<Index>(i);
+    }
   };
   for (int round = 0; !points.empty(); ++round) {
     if (round < kRounds) {
       std::size_t count = 0, farthest = 0;
       for (std::size_t i = 0; i < points.size(); ++i) {
-        points[i].bound = bound(points[i]);
+        lower_bound(points[i]);
         if (points[i].bound <= *most.depth) continue;
         points[count] = points[i];
         if (points[count].bound > points[farthest].bound) farthest = count;
@@ -123,17 +128,21 @@ void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Vec3 know
       points.resize(count);
       if (points.empty()) return;
       std::swap(points[farthest], points.back());
+      first = known_.size();
+    } else {
+      first = known_.size() - 1;
+      lower_bound(points.back());
     }
     const InnerPoint p = points.back();
     points.pop_back();
-    if (bound(p) <= *most.depth) continue;
-    known = nearest_.nearest(p.middle, known);
-    const double distance = (known - p.middle).norm();
-    if (distance > *most.depth) most = {distance, p.middle, known};
-    if (p.splits == 0) continue;
-    for (const double way : {-0.5, 0.5})
-      points.push_back(
-          {p.middle + way * p.half, p.half / 2, p.radius / 2, p.splits - 1, distance + p.radius});
+    if (p.bound <= *most.depth) continue;
+    known_.push_back(nearest_.nearest(p.middle, known_[p.nearest]));
+    const double distance = (known_.back() - p.middle).norm();
+    if (distance > *most.depth) most = {distance, p.middle, known_.back()};
+    for (int k = 0; k < 2 && p.splits > 0; ++k) {
+      points.push_back({p.middle + (k - 0.5) * p.half, p.half / 2, p.radius / 2, p.splits - 1, p.nearest,
+                        distance + p.radius});
+    }
   }
 }
 
@@ -146,10 +155,11 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   const std::size_t seeds = other_.size(), corners = other_corners_.size();
   // No point is deeper than the farthest from other_corners_. It may be as deep, and then it is the deepest;
   // else those matter that may be deeper.
-  const Vec3 known = other_corners_[0][0];
+  known_.clear();
+  for (std::size_t i = 0; i < outside_; i += 1 + outside_ / kKnown) known_.push_back(other_corners_[i][0]);
   Deepest bound = deepest_;
   left_ = points_;
-  raise_to_farthest(left_, known, bound);
+  raise_to_farthest(left_, bound);
   if (*bound.depth <= *deepest_.depth) return;
   std::vector<Vec3> ends(1, bound.point);
   add_near(object, x, ends, *bound.depth, most, skip);
@@ -163,11 +173,9 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   if (*first.depth > *deepest_.depth) deepest_ = first;
   if (*first.depth == *bound.depth) return;
   left_ = points_;
-  Vec3 near = bound.nearest;
   std::erase_if(left_, [&](const InnerPoint& p) {
-    if ((near - p.middle).norm() + p.radius <= *deepest_.depth) return true;
-    near = nearest_.nearest(p.middle, near);
-    return (near - p.middle).norm() + p.radius <= *deepest_.depth;
+    return std::any_of(known_.begin(), known_.end(),
+                       [&](const Vec3& q) { return (q - p.middle).norm() + p.radius <= *deepest_.depth; });
   });
   if (left_.empty()) return;
   ends.clear();
@@ -179,7 +187,7 @@ void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t mo
   add_near(object, x, ends, *bound.depth, most, skip);
   add_corners(object, x, seeds);
   nearest_.set(other_corners_);
-  raise_to_farthest(left_, known, deepest_);
+  raise_to_farthest(left_, deepest_);
 }
 
 // The faces of a side that cross, as other_.
@@ -199,6 +207,7 @@ void FrameMeasurer::raise_depth_around(int side, Positions x, bool all) {
     sort_unique(other_);
   }
   add_corners(object, x, 0);
+  outside_ = other_corners_.size();
   raise_depth_around(object, x, all ? kAll : 2 * other_.size() + 256, [&](Index t) {
     return within &&
            (contains(crossing_[side], t) || (region_[side] && contains(region_[side]->triangles, t)));
@@ -228,6 +237,7 @@ void FrameMeasurer::find_deepest_of_body(Positions x) {
   // edge or a curve.
   for (const Index t : body_cut_) regions_.add_outer_pieces(t, x, other_corners_);
   const std::size_t begin = other_corners_.size();
+  outside_ = begin;
   add_corners(body_query_.object, x, 0);
   nearest_.counts = [&](std::size_t i, const Vec3& p) {
     return i < begin || i - begin >= body_cut_.size() || !regions_.is_inside(body_cut_[i - begin], p, x);

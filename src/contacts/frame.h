@@ -34,6 +34,7 @@ class FrameMeasurer {
     Vec3 middle, half = Vec3::Zero();                        // half of the piece
     double radius = 0;                                       // of the piece
     int splits = 0;                                          // how often it is to be split
+    Index nearest = 0;                                       // of known_: the nearest of those that are known
     double bound = std::numeric_limits<double>::infinity();  // not deeper than this
   };
 
@@ -53,7 +54,7 @@ class FrameMeasurer {
   template <class Skip>
   void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,
                 const Skip& skip);
-  void raise_to_farthest(std::vector<InnerPoint>& points, Vec3 known, Deepest& most);
+  void raise_to_farthest(std::vector<InnerPoint>& points, Deepest& most);
   void raise_depth_around(int side, Positions x, bool all);
   template <class Skip>
   void raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip);
@@ -78,6 +79,8 @@ class FrameMeasurer {
   std::vector<std::uint8_t> side_of_;  // per vertex of the body
   std::vector<std::uint32_t> seen_;    // per triangle: the last search that saw it
   std::uint32_t now_ = 0;
+  std::size_t outside_ = 0;  // so many first ones of other_corners_ are outside as a whole
+  std::vector<Vec3> known_;  // points outside
   NearestTriangles nearest_;
   Deepest deepest_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace foldproof::internal {
 namespace {
@@ -27,15 +28,15 @@ bool is_less(const Vec3& a, const Vec3& b) {
 Vec3 nearest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
   const double square = n.squaredNorm();
-  bool inside = square > 0;
-  for (int k = 0; k < 3 && inside; ++k) inside = n.dot((t[(k + 1) % 3] - t[k]).cross(p - t[k])) >= 0;
-  if (inside) return p - n.dot(p - t[0]) / square * n;
-  Vec3 best = nearest_on_segment(p, t[0], t[1]);
-  for (int k = 1; k < 3; ++k) {
-    const Vec3 q = nearest_on_segment(p, t[k], t[(k + 1) % 3]);
-    if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
+  // Of an edge, unless `p` is on its inner side.
+  std::optional<Vec3> best;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
+    if (square > 0 && n.dot((b - a).cross(p - a)) >= 0) continue;
+    const Vec3 q = nearest_on_segment(p, a, b);
+    if (!best || (q - p).squaredNorm() < (*best - p).squaredNorm()) best = q;
   }
-  return best;
+  return best ? *best : p - n.dot(p - t[0]) / square * n;
 }
 
 void NearestTriangles::set(std::span<const std::array<Vec3, 3>> triangles) {
