@@ -141,7 +141,7 @@ class Tracer {
       while (end < order_.size() && order_[end].first == order_[i].first) ++end;
       const End& first = ends_[order_[i].second];
       const Piercing& p = first.piercing;
-      if (p.face != kNoIndex) {
+      if (p.face != kNoIndex && end - i < surfaces_.most_at_edge(p.object)) {
         surfaces_.triangles_with_edge(p.object, p.edge, at_edge_);
         for (std::size_t k = 0; k < at_edge_.size() && at_edge_.size() > end - i; ++k) {
           const Index t = at_edge_[k];

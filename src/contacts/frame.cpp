@@ -13,11 +13,6 @@ constexpr std::uint8_t kUnknown = 2;
 constexpr std::size_t kKnown = 16;
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
-void sort_unique(std::vector<Index>& ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-}
-
 bool contains(std::span<const Index> sorted, Index id) {
   return std::binary_search(sorted.begin(), sorted.end(), id);
 }
@@ -203,8 +198,11 @@ void FrameMeasurer::raise_depth_around(int side, Positions x, bool all) {
   const bool within = objects_[0] == objects_[1];
   begin_other(1 - side);
   if (region_[1 - side]) {
-    other_.insert(other_.end(), region_[1 - side]->triangles.begin(), region_[1 - side]->triangles.end());
-    sort_unique(other_);
+    begin_marks(object);
+    for (const Index t : other_) seen_[t] = now_;
+    for (const Index t : region_[1 - side]->triangles) {
+      if (seen_[t] != now_) other_.push_back(t);
+    }
   }
   add_corners(object, x, 0);
   outside_ = other_corners_.size();

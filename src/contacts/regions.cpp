@@ -70,13 +70,21 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) 
   }
 }
 
-// The cut of an edge, whose vertices are in any order; null if there is none.
+// All cuts of an edge, whose vertices are in any order, from the smaller one on.
+std::span<const RegionFinder::Cut> RegionFinder::all_cuts(Index u, Index w) const {
+  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return {};
+  const auto [first, last] = cuts_from_[std::min(u, w)];
+  auto begin = std::lower_bound(all_cuts_.begin() + first, all_cuts_.begin() + last, std::max(u, w),
+                                [](const Cut& cut, Index vertex) { return cut.edge[1] < vertex; });
+  auto end = begin;
+  while (end != all_cuts_.begin() + last && end->edge[1] == std::max(u, w)) ++end;
+  return {begin, end};
+}
+
+// The first cut of an edge that has an odd number of them; else null.
 const RegionFinder::Cut* RegionFinder::find_cut(Index u, Index w) const {
-  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return nullptr;
-  const auto [begin, end] = cuts_from_[std::min(u, w)];
-  const auto at = std::lower_bound(cuts_.begin() + begin, cuts_.begin() + end, std::max(u, w),
-                                   [](const Cut& cut, Index vertex) { return cut.edge[1] < vertex; });
-  return at != cuts_.begin() + end && at->edge[1] == std::max(u, w) ? &*at : nullptr;
+  const auto cuts = all_cuts(u, w);
+  return cuts.size() % 2 == 1 ? cuts.data() : nullptr;
 }
 
 bool RegionFinder::is_wall(Index vertex) const {
@@ -157,8 +165,8 @@ void RegionFinder::begin_search() {
     if (cut_stamps_[v] != stamp_) cuts_from_[v] = {0, 0};
     cut_stamps_[v] = stamp_;
   };
-  for (Index i = 0; i < cuts_.size(); ++i) {
-    const auto& [first, second] = cuts_[i].edge;
+  for (Index i = 0; i < all_cuts_.size(); ++i) {
+    const auto& [first, second] = all_cuts_[i].edge;
     mark(first);
     mark(second);
     auto& from = cuts_from_[first];
@@ -289,16 +297,6 @@ Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
   return from + cut->share * (position(x[object_], cut->edge[1]) - from);
 }
 
-// All cuts of an edge, whose vertices are in any order, from the smaller one on.
-std::span<const RegionFinder::Cut> RegionFinder::all_cuts(Index u, Index w) const {
-  const Edge edge{std::min(u, w), std::max(u, w)};
-  const auto begin = std::lower_bound(all_cuts_.begin(), all_cuts_.end(), edge,
-                                      [](const Cut& cut, const Edge& e) { return cut.edge < e; });
-  auto end = begin;
-  while (end != all_cuts_.end() && end->edge == edge) ++end;
-  return {begin, end};
-}
-
 std::span<const std::array<Index, 2>> RegionFinder::segments_in(Index triangle) const {
   return {std::lower_bound(segments_.begin(), segments_.end(), std::array<Index, 2>{triangle, 0}),
           std::lower_bound(segments_.begin(), segments_.end(), std::array<Index, 2>{triangle + 1, 0})};
@@ -336,10 +334,10 @@ bool RegionFinder::is_inside_between_walls(Index u, Index w) {
 // Calls visit(begin, end, inside, between) with the pieces of an edge: shares of it, and whether both ends
 // are on curves.
 template <class Visit>
-void RegionFinder::for_each_piece(const Edge& edge, const Visit& visit) {
+void RegionFinder::for_each_piece(const Edge& edge, std::span<const Cut> cuts, const Visit& visit) {
   bool inside = is_inside_at(edge[0], edge[1]), between = is_wall(edge[0]);
   double begin = 0;
-  for (const Cut& cut : all_cuts(edge[0], edge[1])) {
+  for (const Cut& cut : cuts) {
     visit(begin, cut.share, inside, between);
     begin = cut.share, inside = !inside, between = true;
   }
@@ -352,23 +350,26 @@ void RegionFinder::add_pieces(Positions x, Region& region) {
   constexpr std::size_t kFew = 16;
   const bool few = region.vertices.size() <= kFew;
   with_pieces_.clear();
-  const auto add = [&](const Edge& edge) {
+  const auto add = [&](const Edge& edge, std::span<const Cut> cuts) {
     const Vec3 from = position(x[object_], edge[0]), to = position(x[object_], edge[1]);
-    for_each_piece(edge, [&](double begin, double end, bool inside, bool between) {
+    for_each_piece(edge, cuts, [&](double begin, double end, bool inside, bool between) {
       if (!inside || !(between || few)) return;
       region.pieces.push_back({from + begin * (to - from), from + end * (to - from)});
       if (between) with_pieces_.push_back(edge);
     });
   };
-  for (std::size_t i = 0; i < all_cuts_.size(); ++i) {
-    if (i == 0 || all_cuts_[i].edge != all_cuts_[i - 1].edge) add(all_cuts_[i].edge);
+  for (std::size_t i = 0; i < all_cuts_.size();) {
+    std::size_t end = i + 1;
+    while (end < all_cuts_.size() && all_cuts_[end].edge == all_cuts_[i].edge) ++end;
+    add(all_cuts_[i].edge, std::span(all_cuts_).subspan(i, end - i));
+    i = end;
   }
   // Edges that are not cut.
   const auto add_around = [&](Index u, bool only_walls) {
     surfaces_.for_each_neighbor(object_, u, [&](Index w) {
       const bool first = only_walls ? is_wall(w) && u < w : is_wall(w) || u < w;
       if (first && surfaces_.is_of_face(object_, {u, w}) && all_cuts(u, w).empty())
-        add({std::min(u, w), std::max(u, w)});
+        add({std::min(u, w), std::max(u, w)}, {});
     });
   };
   for (const Index u : walls_) add_around(u, true);
@@ -391,7 +392,7 @@ void RegionFinder::add_outer_pieces(Index t, Positions x, std::vector<std::array
   for (int k = 0; k < 3; ++k) {
     const auto [a, b] = std::minmax(corners[k], corners[(k + 1) % 3]);
     const Vec3 from = position(x[object_], a), to = position(x[object_], b);
-    for_each_piece({a, b}, [&](double begin, double end, bool inside, bool) {
+    for_each_piece({a, b}, all_cuts(a, b), [&](double begin, double end, bool inside, bool) {
       const Vec3 last = from + end * (to - from);
       if (!inside) out.push_back({from + begin * (to - from), last, last});
     });

@@ -82,7 +82,7 @@ class RegionFinder {
   bool is_inside_between_walls(Index u, Index w);
   void add_pieces(Positions x, Region& region);
   template <class Visit>
-  void for_each_piece(const Edge& edge, const Visit& visit);
+  void for_each_piece(const Edge& edge, std::span<const Cut> cuts, const Visit& visit);
   Region region(const Curves& curves, std::span<const Index> crossing, Positions x);
 
   const Surfaces& surfaces_;
@@ -98,7 +98,7 @@ class RegionFinder {
   std::vector<Index> active_;
   std::vector<Index> component_at_;  // per vertex of the object, with `stamp_`
   std::vector<std::uint32_t> stamps_, cut_stamps_;
-  // Per vertex, with cut_stamps_: which of cuts_ have it as their edge's first.
+  // Per vertex, with cut_stamps_: which of all_cuts_ have it as their edge's first.
   std::vector<std::array<Index, 2>> cuts_from_;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint8_t> inside_;  // per component

@@ -35,6 +35,12 @@ Surfaces::Stars::Stars(const Topology& topology) : shells(topology) {
   std::vector<Index> next(begin.begin(), begin.end() - 1);
   for_each_corner([&](Index t, Index v) { this->triangles[next[v]++] = t; });
   list_neighbors(topology);
+  std::vector<Index> at_edge(topology.edges().size(), 0);
+  for (const auto& edges : topology.triangle_edges()) {
+    for (const Index edge : edges) {
+      if (edge != kNoIndex) most_at_edge = std::max(most_at_edge, ++at_edge[edge]);
+    }
+  }
 }
 
 void Surfaces::Stars::list_neighbors(const Topology& topology) {

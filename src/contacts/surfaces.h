@@ -71,6 +71,8 @@ class Surfaces {
     for (Index i = s.higher_begin[local]; i < s.neighbors_begin[local + 1]; ++i)
       visit(vertex - local + s.neighbors[i]);
   }
+  /// The most triangles that an edge of an object has.
+  Index most_at_edge(Index object) const { return stars_[object]->most_at_edge; }
   /// The triangles of an object that have an edge, ascending; all ids are the object's own.
   void triangles_with_edge(Index object, const Edge& edge, std::vector<Index>& out) const;
 
@@ -80,6 +82,7 @@ class Surfaces {
     void list_neighbors(const Topology& topology);
     std::vector<Index> begin, triangles;
     std::vector<Index> neighbors_begin, neighbors, higher_begin;  // the higher ones are last
+    Index most_at_edge = 0;
     Shells shells;
   };
   template <class Visit>
