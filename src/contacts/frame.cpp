@@ -56,8 +56,11 @@ void FrameMeasurer::list_inner_points(const Region& region, Index object, Positi
   // What may be deepest comes first: points that are less deep are then ruled out quickly.
   if (region.last != kNoIndex) points_.push_back({position(x[object], region.last)});
   for (const Index v : region.vertices) points_.push_back({position(x[object], v)});
-  for (const auto& [from, to] : region.pieces)
-    points_.push_back({from + (to - from) / 2, (to - from) / 2, (to - from).norm() / 2, kSplits});
+  const bool few = region.vertices.size() <= Region::kFew;
+  for (const auto& [from, to] : region.pieces) {
+    const Vec3 half = few ? (to - from) / 2 : Vec3::Zero();
+    points_.push_back({from + (to - from) / 2, half, half.norm(), few ? kSplits : 0});
+  }
 }
 
 // Adds to other_ what is connected to it and not farther from all points, but for what is skipped; the

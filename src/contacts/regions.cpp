@@ -347,8 +347,7 @@ void RegionFinder::for_each_piece(const Edge& edge, std::span<const Cut> cuts, c
 // Points on the pieces of edges that are inside and begin and end on curves; where few vertices are inside,
 // on those at vertices, too.
 void RegionFinder::add_pieces(Positions x, Region& region) {
-  constexpr std::size_t kFew = 16;
-  const bool few = region.vertices.size() <= kFew;
+  const bool few = region.vertices.size() <= Region::kFew;
   with_pieces_.clear();
   const auto add = [&](const Edge& edge, std::span<const Cut> cuts) {
     const Vec3 from = position(x[object_], edge[0]), to = position(x[object_], edge[1]);

@@ -11,6 +11,7 @@ namespace foldproof::inline internal {
 struct Region {
   std::vector<Index> vertices;              ///< Inside, ascending; the object's own ids.
   std::vector<Index> triangles;             ///< With all corners inside, ascending.
+  static constexpr std::size_t kFew = 16;
   std::vector<std::array<Vec3, 2>> pieces;  ///< Inside, of edges that are cut.
   double area = 0;                          ///< Mesh units squared; triangles that cross count in part.
   Index last = kNoIndex;                    ///< A vertex that is far from the curves, along the surface.
