@@ -63,15 +63,13 @@ void FrameMeasurer::list_inner_points(const Region& region, Index object, Positi
   }
 }
 
-// Adds to other_ what is connected to it and not farther from all points, but for what is skipped; the
-// nearest along the surface, as many as `most` in all.
+// Adds to other_ what is connected to it and not farther from a point, but for what is skipped; the nearest
+// along the surface, as many as `most` in all.
 template <class Skip>
-void FrameMeasurer::add_near(Index object, Positions x, std::span<const Vec3> points, double distance,
-                             std::size_t most, const Skip& skip) {
+void FrameMeasurer::add_near(Index object, Positions x, const Vec3& point, double distance, std::size_t most,
+                             const Skip& skip) {
   const auto triangles = surfaces_.topology(object).triangles();
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  low -= Vec3::Constant(distance), high += Vec3::Constant(distance);
+  const Vec3 low = point - Vec3::Constant(distance), high = point + Vec3::Constant(distance);
   const auto is_near = [&](Index t) {
     const auto c = corners(x[object], triangles[t]);
     for (int axis = 0; axis < 3; ++axis) {
@@ -149,43 +147,28 @@ void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Deepest& 
 template <class Skip>
 void FrameMeasurer::raise_depth_around(Index object, Positions x, std::size_t most, const Skip& skip) {
   if (points_.empty() || other_corners_.empty()) return;
-  nearest_.set(other_corners_);
-  const std::size_t seeds = other_.size(), corners = other_corners_.size();
-  // No point is deeper than the farthest from other_corners_. It may be as deep, and then it is the deepest;
-  // else those matter that may be deeper.
   known_.clear();
   for (std::size_t i = 0; i < outside_; i += 1 + outside_ / kKnown) known_.push_back(other_corners_[i][0]);
-  Deepest bound = deepest_;
-  left_ = points_;
-  raise_to_farthest(left_, bound);
-  if (*bound.depth <= *deepest_.depth) return;
-  std::vector<Vec3> ends(1, bound.point);
-  add_near(object, x, ends, *bound.depth, most, skip);
-  add_corners(object, x, seeds);
-  Deepest first = bound;
-  for (std::size_t i = corners; i < other_corners_.size(); ++i) {
-    const Vec3 p = nearest_on_triangle(bound.point, other_corners_[i]);
-    const double distance = (p - bound.point).norm();
-    if (distance < *first.depth) first = {distance, bound.point, p};
+  while (true) {
+    // No point is deeper than the farthest from other_corners_. It is the deepest, unless more is near it.
+    nearest_.set(other_corners_);
+    Deepest bound = deepest_;
+    left_ = points_;
+    raise_to_farthest(left_, bound);
+    if (*bound.depth <= *deepest_.depth) return;
+    const std::size_t triangles = other_.size(), corners = other_corners_.size();
+    add_near(object, x, bound.point, *bound.depth, most, skip);
+    add_corners(object, x, triangles);
+    Deepest found = bound;
+    for (std::size_t i = corners; i < other_corners_.size(); ++i) {
+      const Vec3 p = nearest_on_triangle(bound.point, other_corners_[i]);
+      const double distance = (p - bound.point).norm();
+      if (distance < *found.depth) found = {distance, bound.point, p};
+    }
+    if (*found.depth > *deepest_.depth) deepest_ = found;
+    if (*found.depth == *bound.depth) return;
+    known_.push_back(found.nearest);
   }
-  if (*first.depth > *deepest_.depth) deepest_ = first;
-  if (*first.depth == *bound.depth) return;
-  left_ = points_;
-  std::erase_if(left_, [&](const InnerPoint& p) {
-    return std::any_of(known_.begin(), known_.end(),
-                       [&](const Vec3& q) { return (q - p.middle).norm() + p.radius <= *deepest_.depth; });
-  });
-  if (left_.empty()) return;
-  ends.clear();
-  for (const InnerPoint& p : left_) {
-    for (const double way : {-1, 1}) ends.push_back(p.middle + way * p.half);
-  }
-  other_.resize(seeds);
-  other_corners_.resize(corners);
-  add_near(object, x, ends, *bound.depth, most, skip);
-  add_corners(object, x, seeds);
-  nearest_.set(other_corners_);
-  raise_to_farthest(left_, deepest_);
 }
 
 // The faces of a side that cross, as other_.

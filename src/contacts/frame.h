@@ -52,7 +52,7 @@ class FrameMeasurer {
   void begin_other(int side);
   void add_corners(Index object, Positions x, std::size_t begin);
   template <class Skip>
-  void add_near(Index object, Positions x, std::span<const Vec3> points, double distance, std::size_t most,
+  void add_near(Index object, Positions x, const Vec3& point, double distance, std::size_t most,
                 const Skip& skip);
   void raise_to_farthest(std::vector<InnerPoint>& points, Deepest& most);
   void raise_depth_around(int side, Positions x, bool all);

@@ -9,8 +9,8 @@ namespace foldproof::inline internal {
 
 /// What of one side, or of a surface that goes into itself, is inside.
 struct Region {
-  std::vector<Index> vertices;              ///< Inside, ascending; the object's own ids.
-  std::vector<Index> triangles;             ///< With all corners inside, ascending.
+  std::vector<Index> vertices;   ///< Inside, ascending; the object's own ids.
+  std::vector<Index> triangles;  ///< With all corners inside, ascending.
   static constexpr std::size_t kFew = 16;
   std::vector<std::array<Vec3, 2>> pieces;  ///< Inside, of edges that are cut.
   double area = 0;                          ///< Mesh units squared; triangles that cross count in part.
