@@ -72,7 +72,7 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) 
 
 // All cuts of an edge, whose vertices are in any order, from the smaller one on.
 std::span<const RegionFinder::Cut> RegionFinder::all_cuts(Index u, Index w) const {
-  if (cut_stamps_[u] != stamp_ || cut_stamps_[w] != stamp_) return {};
+  if (!is_near_cuts(u) || !is_near_cuts(w)) return {};
   const auto [first, last] = cuts_from_[std::min(u, w)];
   auto begin = std::lower_bound(all_cuts_.begin() + first, all_cuts_.begin() + last, std::max(u, w),
                                 [](const Cut& cut, Index vertex) { return cut.edge[1] < vertex; });
@@ -87,13 +87,9 @@ const RegionFinder::Cut* RegionFinder::find_cut(Index u, Index w) const {
   return cuts.size() % 2 == 1 ? cuts.data() : nullptr;
 }
 
-bool RegionFinder::is_wall(Index vertex) const {
-  return cut_stamps_[vertex] == stamp_ && std::binary_search(walls_.begin(), walls_.end(), vertex);
-}
-
 // Whether faces connect neighbors.
 bool RegionFinder::is_passable(Index u, Index w) const {
-  return surfaces_.is_of_face(object_, {u, w}) && !is_wall(w) && !is_cut(u, w);
+  return (has_faces_only_ || surfaces_.is_of_face(object_, {u, w})) && !is_wall(w) && !is_cut(u, w);
 }
 
 Index RegionFinder::component_of(Index vertex) {
@@ -154,7 +150,9 @@ void RegionFinder::begin_search() {
     std::fill(cut_stamps_.begin(), cut_stamps_.end(), 0);
     stamp_ = 1;
   }
-  const std::size_t vertices = surfaces_.topology(object_).vertex_count();
+  const Topology& topology = surfaces_.topology(object_);
+  has_faces_only_ = topology.face_count() == topology.triangles().size();
+  const std::size_t vertices = topology.vertex_count();
   if (stamps_.size() < vertices) {
     stamps_.resize(vertices, 0);
     cut_stamps_.resize(vertices, 0);

@@ -62,8 +62,13 @@ class RegionFinder {
   std::size_t end_behind(const Piercing& piercing, Positions x) const;
   void begin_search();
   const Cut* find_cut(Index u, Index w) const;
-  bool is_cut(Index u, Index w) const { return find_cut(u, w) != nullptr; }
-  bool is_wall(Index vertex) const;
+  bool is_near_cuts(Index vertex) const { return cut_stamps_[vertex] == stamp_; }
+  bool is_cut(Index u, Index w) const {
+    return is_near_cuts(u) && is_near_cuts(w) && find_cut(u, w) != nullptr;
+  }
+  bool is_wall(Index vertex) const {
+    return is_near_cuts(vertex) && std::binary_search(walls_.begin(), walls_.end(), vertex);
+  }
   bool is_passable(Index u, Index w) const;
   Index component_of(Index vertex);
   Index root_of(Index component);
@@ -88,6 +93,7 @@ class RegionFinder {
 
   const Surfaces& surfaces_;
   Index object_ = 0;
+  bool has_faces_only_ = false;
   std::vector<Cut> all_cuts_;  // sorted by edge and share
   std::vector<Cut> cuts_;      // the first of each edge that has an odd number
   std::vector<Index> walls_;   // vertices on a curve, sorted: nothing is connected through them
