@@ -396,7 +396,8 @@ void RegionFinder::add_outer_pieces(Index t, Positions x, std::vector<std::array
   }
 }
 
-// On the way from a piece of an edge, each segment that is crossed leads in or out.
+// On the way from a piece of an edge, each segment that is crossed leads in or out. By way of the middle:
+// where segments end on an edge, the way does not go along it.
 bool RegionFinder::is_inside(Index t, const Vec3& p, Positions x) {
   const Triangle& corners = surfaces_.topology(object_).triangles()[t];
   const auto [a, b, c] = foldproof::corners(x[object_], corners);
@@ -405,14 +406,17 @@ bool RegionFinder::is_inside(Index t, const Vec3& p, Positions x) {
   // The first piece from that corner on.
   double end = 1;
   if (!cuts.empty()) end = corners[0] < corners[1] ? cuts.front().share : 1 - cuts.back().share;
-  const Vec3 begin = a + end / 2 * (b - a), normal = (b - a).cross(c - a);
+  const Vec3 begin = a + end / 2 * (b - a), middle = (a + b + c) / 3, normal = (b - a).cross(c - a);
   const auto side = [&](const Vec3& u, const Vec3& v, const Vec3& w) {
     return normal.dot((v - u).cross(w - u)) >= 0;
   };
   for (const auto& [triangle, segment] : segments_in(t)) {
     const auto& ends = curves_->segments[segment].ends;
     const Vec3 &u = curves_->piercings[ends[0]].position, &v = curves_->piercings[ends[1]].position;
-    inside ^= side(begin, p, u) != side(begin, p, v) && side(u, v, begin) != side(u, v, p);
+    const auto crosses = [&](const Vec3& from, const Vec3& to) {
+      return side(from, to, u) != side(from, to, v) && side(u, v, from) != side(u, v, to);
+    };
+    inside ^= crosses(begin, middle) != crosses(middle, p);
   }
   return inside;
 }
