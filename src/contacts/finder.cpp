@@ -413,6 +413,7 @@ void ContactFinder::Impl::end_contacts(bool all) {
     it.contact.healed = !(all && it.crosses);
     it.contact.pierces = it.pierces && !it.of_faces;
     for (int side = 0; side < 2; ++side) name_part(it, side);
+    if (it.contact.within() && it.contact.sides[1].part < it.contact.sides[0].part) swap_sides(it);
     ended.push_back(std::move(it.contact));
     at = open.erase(at);
   }

@@ -60,6 +60,33 @@ TEST(FindContacts, FindsWhatTheFinderFinds) {
   EXPECT_TRUE(found[0].healed);
 }
 
+// So that one frame and the whole motion name them alike.
+TEST(FindContacts, SidesOfOneObjectAreInTheOrderOfTheirParts) {
+  const Mesh ball = unit_sphere(6);
+  Mesh other = ball;
+  other.positions = placed(ball, 1, {1.6, 0.1, 0.2});
+  const Mesh both = together(ball, other);
+  const Topology topology = both.topology();
+  StepChecker checker({Object(Hierarchy::build(topology, both.positions).value())});
+  const std::span<const double> x[] = {both.positions};
+  StaticResult crossings;
+  ASSERT_TRUE(checker.check_static(x, {}, crossings));
+  for (const Index first : {0u, 1u}) {
+    std::vector<Index> parts(both.triangles.size(), first);
+    std::fill(parts.begin() + static_cast<std::ptrdiff_t>(ball.triangles.size()), parts.end(), 1 - first);
+    auto finder = ContactFinder::make({&topology}, {parts}).value();
+    finder.start(0, x, crossings);
+    const std::vector<Contact> found = finder.finish();
+    ASSERT_EQ(found.size(), 1u);
+    for (Index side = 0; side < 2; ++side) {
+      EXPECT_EQ(found[0].sides[side].part, side);
+      EXPECT_EQ(parts[found[0].sides[side].triangles[0]], side);
+    }
+    // From the other surface to the deepest point, which is on either.
+    EXPECT_GT(std::abs(found[0].normal.x()), 0.9);
+  }
+}
+
 /// The edge of a standing triangle in which a hanging one, that sinks from z = 1.2 to `height`, lands first.
 std::vector<Contact> sinking_triangle(double height, double scale) {
   Animation animation;
