@@ -59,7 +59,7 @@ void FrameMeasurer::list_inner_points(const Region& region, Index object, Positi
   const bool few = region.vertices.size() <= Region::kFew;
   for (const auto& [from, to] : region.pieces) {
     const Vec3 half = few ? (to - from) / 2 : Vec3::Zero();
-    points_.push_back({from + (to - from) / 2, half, half.norm(), few ? kSplits : 0});
+    points_.push_back({from + (to - from) / 2, half, few ? kSplits : 0});
   }
 }
 
@@ -104,10 +104,12 @@ void FrameMeasurer::add_corners(Index object, Positions x, std::size_t begin) {
 void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Deepest& most) {
   constexpr int kRounds = 64;  // then those that remain are about equally deep, and all of them are asked for
   std::size_t first = 0;
-  // No point is farther than any point of the triangles is.
+  double square = *most.depth * *most.depth;
+  // No point is farther than any point of the triangles is; of a piece, one of the ends is farthest from it.
   const auto lower_bound = [&](InnerPoint& p) {
     for (std::size_t i = first; i < known_.size(); ++i) {
-      const double bound = (known_[i] - p.middle).norm() + p.radius;
+      const Vec3 way = known_[i] - p.middle;
+      const double bound = way.squaredNorm() + p.half.squaredNorm() + 2 * std::abs(way.dot(p.half));
       if (bound < p.bound) p.bound = bound, p.nearest = static_cast<Index>(i);
     }
   };
@@ -116,7 +118,7 @@ void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Deepest& 
       std::size_t count = 0, farthest = 0;
       for (std::size_t i = 0; i < points.size(); ++i) {
         lower_bound(points[i]);
-        if (points[i].bound <= *most.depth) continue;
+        if (points[i].bound <= square) continue;
         points[count] = points[i];
         if (points[count].bound > points[farthest].bound) farthest = count;
         ++count;
@@ -131,13 +133,16 @@ void FrameMeasurer::raise_to_farthest(std::vector<InnerPoint>& points, Deepest& 
     }
     const InnerPoint p = points.back();
     points.pop_back();
-    if (p.bound <= *most.depth) continue;
+    if (p.bound <= square) continue;
     known_.push_back(nearest_.nearest(p.middle, known_[p.nearest]));
-    const double distance = (known_.back() - p.middle).norm();
-    if (distance > *most.depth) most = {distance, p.middle, known_.back()};
+    const double distance2 = (known_.back() - p.middle).squaredNorm();
+    if (distance2 > square) {
+      square = distance2;
+      most = {std::sqrt(square), p.middle, known_.back()};
+    }
     for (int k = 0; k < 2 && p.splits > 0; ++k) {
-      points.push_back({p.middle + (k - 0.5) * p.half, p.half / 2, p.radius / 2, p.splits - 1, p.nearest,
-                        distance + p.radius});
+      const Vec3 half = p.splits > 1 ? p.half / 2 : Vec3::Zero();
+      points.push_back({p.middle + (k - 0.5) * p.half, half, p.splits - 1, p.nearest, p.bound});
     }
   }
 }

@@ -32,10 +32,9 @@ class FrameMeasurer {
   // A point inside, or the middle of a piece of an edge.
   struct InnerPoint {
     Vec3 middle, half = Vec3::Zero();                        // half of the piece
-    double radius = 0;                                       // of the piece
     int splits = 0;                                          // how often it is to be split
     Index nearest = 0;                                       // of known_: the nearest of those that are known
-    double bound = std::numeric_limits<double>::infinity();  // not deeper than this
+    double bound = std::numeric_limits<double>::infinity();  // the square of its depth is not more
   };
 
   void begin_marks(Index object);
