@@ -279,7 +279,7 @@ void FrameMeasurer::find_regions(bool folded, Positions x) {
   body_cut_.clear();
   std::set_union(cut_[0].begin(), cut_[0].end(), cut_[1].begin(), cut_[1].end(),
                  std::back_inserter(body_cut_));
-  body_query_ = {objects_[0], {true, true}, body_cut_, 0};
+  body_query_ = {objects_[0], {true, true}, {}, 0};
   body_ = regions_.find(curves_, body_query_, x);
 }
 

@@ -421,7 +421,7 @@ bool RegionFinder::is_inside(Index t, const Vec3& p, Positions x) {
   return inside;
 }
 
-Region RegionFinder::region(const Curves& curves, std::span<const Index> crossing, Positions x) {
+Region RegionFinder::region(Positions x) {
   Region out;
   std::size_t most = 0;
   for (Index c = 0; c < components_.size(); ++c) {
@@ -430,7 +430,6 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
     out.vertices.insert(out.vertices.end(), vertices.begin(), vertices.end());
     if (vertices.size() > most) most = vertices.size(), out.last = vertices.back();
   }
-  std::sort(out.vertices.begin(), out.vertices.end());
   const auto triangles = surfaces_.topology(object_).triangles();
   for (const Index v : out.vertices) {
     for (const Index t : surfaces_.triangles_at(object_, v)) {
@@ -442,9 +441,17 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
     }
   }
   std::sort(out.triangles.begin(), out.triangles.end());
+  add_pieces(x, out);
+  return out;
+}
+
+double RegionFinder::area(const Region& region, std::span<const Index> crossing, Positions x) {
+  if (region.vertices.empty()) return enclosed_area(*curves_);
+  double sum = 0;
+  const auto triangles = surfaces_.topology(object_).triangles();
   const auto at = [&](Index v) { return position(x[object_], v); };
-  for (const Index t : out.triangles)
-    out.area += triangle_area(at(triangles[t][0]), at(triangles[t][1]), at(triangles[t][2]));
+  for (const Index t : region.triangles)
+    sum += triangle_area(at(triangles[t][0]), at(triangles[t][1]), at(triangles[t][2]));
   // Where a curve cuts one corner off, the corner or the rest is inside.
   for (const Index t : crossing) {
     const Triangle& corners = triangles[t];
@@ -452,11 +459,9 @@ Region RegionFinder::region(const Curves& curves, std::span<const Index> crossin
     if (!k) continue;
     const Index a = corners[*k], b = corners[(*k + 1) % 3], c = corners[(*k + 2) % 3];
     const double corner = triangle_area(at(a), cut_at(a, b, x), cut_at(a, c, x));
-    out.area += is_inside(a) ? corner : triangle_area(at(a), at(b), at(c)) - corner;
+    sum += is_inside(a) ? corner : triangle_area(at(a), at(b), at(c)) - corner;
   }
-  if (out.vertices.empty()) out.area = enclosed_area(curves);
-  add_pieces(x, out);
-  return out;
+  return sum;
 }
 
 std::optional<Region> RegionFinder::find(const Curves& curves, const RegionQuery& query, Positions x) {
@@ -465,7 +470,9 @@ std::optional<Region> RegionFinder::find(const Curves& curves, const RegionQuery
   grow();
   if (!assign_parts()) return std::nullopt;
   turn_groups(query.behind, x);
-  return region(curves, query.crossing, x);
+  Region out = region(x);
+  if (!query.crossing.empty()) out.area = area(out, query.crossing, x);
+  return out;
 }
 
 std::array<std::vector<Index>, 2> RegionFinder::find_tips(const Curves& curves, const RegionQuery& query,

@@ -9,7 +9,7 @@ namespace foldproof::inline internal {
 
 /// What of one side, or of a surface that goes into itself, is inside.
 struct Region {
-  std::vector<Index> vertices;   ///< Inside, ascending; the object's own ids.
+  std::vector<Index> vertices;   ///< Inside; the object's own ids.
   std::vector<Index> triangles;  ///< With all corners inside, ascending.
   static constexpr std::size_t kFew = 16;
   std::vector<std::array<Vec3, 2>> pieces;  ///< Inside, of edges that are cut.
@@ -21,7 +21,7 @@ struct Region {
 struct RegionQuery {
   Index object = 0;
   std::array<bool, 2> sides{};  ///< Whose curves, as they lie on this object: one's, or both.
-  /// The triangles of these sides that cross, ascending.
+  /// The triangles of these sides that cross; none: no area is asked for.
   std::span<const Index> crossing;
   /// Inside is what lies behind (1) or before (-1) the faces of the other surface; 0: the smaller part.
   int behind = 0;
@@ -89,7 +89,8 @@ class RegionFinder {
   void add_pieces(Positions x, Region& region);
   template <class Visit>
   void for_each_piece(const Edge& edge, std::span<const Cut> cuts, const Visit& visit);
-  Region region(const Curves& curves, std::span<const Index> crossing, Positions x);
+  Region region(Positions x);
+  double area(const Region& region, std::span<const Index> crossing, Positions x);
 
   const Surfaces& surfaces_;
   Index object_ = 0;
