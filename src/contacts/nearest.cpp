@@ -81,38 +81,36 @@ Index NearestTriangles::build_node(Index begin, Index end) {
   return id;
 }
 
-void NearestTriangles::try_triangle(const Vec3& p, Index triangle, Best& best) const {
-  const Vec3 q = nearest_on_triangle(p, triangles_[triangle]);
-  const double square = (q - p).squaredNorm();
-  // Of equally near ones the same in every order.
-  if (square > best.square || (square == best.square && !is_less(q, best.point))) return;
-  if (!counts || counts(triangle, q)) best = {q, square};
-}
-
-void NearestTriangles::search_list(const Vec3& p, Best& best) const {
-  double distance = std::sqrt(best.square);
-  for (const Ball& ball : balls_) {
-    const double reach = (distance + ball.radius) * (1 + 0x1p-40);
-    if ((ball.center - p).squaredNorm() > reach * reach) continue;
-    try_triangle(p, ball.triangle, best);
-    distance = std::sqrt(best.square);
+Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) {
+  constexpr std::size_t kFew = 64;  // about as many searches of all take as long as the tree's building
+  if (asked_++ == kFew) build_node(0, static_cast<Index>(balls_.size()));
+  Vec3 best = known;
+  double square = (best - p).squaredNorm(), distance = std::sqrt(square);
+  const auto search_leaf = [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const double reach = (distance + balls_[i].radius) * (1 + 0x1p-40);
+      if ((balls_[i].center - p).squaredNorm() > reach * reach) continue;
+      const Vec3 q = nearest_on_triangle(p, triangles_[balls_[i].triangle]);
+      const double q2 = (q - p).squaredNorm();
+      // Of equally near ones the same in every order.
+      if (q2 > square || (q2 == square && !is_less(q, best)) || (counts && !counts(balls_[i].triangle, q)))
+        continue;
+      best = q, square = q2, distance = std::sqrt(q2);
+    }
+  };
+  if (nodes_.empty()) {
+    search_leaf(0, static_cast<Index>(balls_.size()));
+    return best;
   }
-}
-
-void NearestTriangles::search_tree(const Vec3& p, Best& best) const {
   std::array<Index, 64> stack;  // the tree is balanced: at most 32 levels
   std::size_t size = 0;
   stack[size++] = 0;
   while (size > 0) {
     const Index id = stack[--size];
     const Node& node = nodes_[id];
-    if (box_distance2(p, node.low, node.high) > best.square) continue;
+    if (box_distance2(p, node.low, node.high) > square) continue;
     if (node.right == 0) {
-      for (Index i = node.begin; i < node.end; ++i) {
-        const auto& [a, b, c] = triangles_[balls_[i].triangle];
-        if (box_distance2(p, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)) <= best.square)
-          try_triangle(p, balls_[i].triangle, best);
-      }
+      search_leaf(node.begin, node.end);
       continue;
     }
     const Index left = id + 1, right = node.right;
@@ -121,18 +119,7 @@ void NearestTriangles::search_tree(const Vec3& p, Best& best) const {
     stack[size++] = left_first ? right : left;
     stack[size++] = left_first ? left : right;
   }
-}
-
-Vec3 NearestTriangles::nearest(const Vec3& p, const Vec3& known) {
-  constexpr std::size_t kFew = 64;  // about as many searches of the list take as long as the tree's building
-  Best best{known, (known - p).squaredNorm()};
-  if (asked_++ < kFew) {
-    search_list(p, best);
-  } else {
-    if (nodes_.empty()) build_node(0, static_cast<Index>(balls_.size()));
-    search_tree(p, best);
-  }
-  return best.point;
+  return best;
 }
 
 }  // namespace foldproof::internal

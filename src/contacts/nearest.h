@@ -29,19 +29,11 @@ class NearestTriangles {
     double radius;
     Index triangle;
   };
-  // The nearest point so far.
-  struct Best {
-    Vec3 point;
-    double square;
-  };
   Index build_node(Index begin, Index end);
-  void try_triangle(const Vec3& p, Index triangle, Best& best) const;
-  void search_list(const Vec3& p, Best& best) const;
-  void search_tree(const Vec3& p, Best& best) const;
 
   std::vector<std::array<Vec3, 3>> triangles_;
-  std::vector<Ball> balls_;  // around the triangles, in the order of the leaves once there is a tree
-  std::vector<Node> nodes_;
+  std::vector<Ball> balls_;  // around the triangles, in the order of the leaves
+  std::vector<Node> nodes_;  // none: one leaf has all
   std::size_t asked_ = 0;
 };
 
