@@ -22,8 +22,8 @@ struct ContactFrame {
   std::array<std::optional<double>, 2> area;
   /// The surfaces meet, and neither is inside the other: beyond rounding, nothing crosses. No depth.
   bool touching = false;
-  /// The largest distance of what is inside to the nearest outside, mesh units. None: it only touches, or
-  /// lines or points pierce faces, or it is a fold of a few triangles without a vertex inside.
+  /// The largest distance of what is inside to the nearest outside, mesh units. None: it only touches, lines
+  /// or points pierce faces, or it cannot be told what is inside.
   std::optional<double> depth;
   /// Both surfaces are open where they cross, so that neither has an inside: they pass through each other,
   /// and `depth` is how far the shorter tip reaches beyond the other surface, at least.
@@ -49,7 +49,7 @@ struct Contact {
     std::vector<Index> triangles;
     std::vector<Index> inside;  ///< Those of them that lie entirely inside, ascending.
   };
-  /// Of two objects, the smaller is first; within one, the side of the triangle with the smallest id.
+  /// Of two objects, the smaller is first; within one, the smaller part, or the side of the smallest triangle.
   std::array<Side, 2> sides;
   bool within() const { return sides[0].object == sides[1].object; }
   /// The two sides are one piece of surface, folded onto itself.
