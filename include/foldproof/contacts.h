@@ -49,7 +49,7 @@ struct Contact {
     std::vector<Index> triangles;
     std::vector<Index> inside;  ///< Those of them that lie entirely inside, ascending.
   };
-  /// Of two objects, the smaller is first; within one, the smaller part, or the side of the smallest triangle.
+  /// Of two objects, the smaller is first; within one, the smaller part, or that of the smallest triangle.
   std::array<Side, 2> sides;
   bool within() const { return sides[0].object == sides[1].object; }
   /// The two sides are one piece of surface, folded onto itself.
