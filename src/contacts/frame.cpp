@@ -10,7 +10,7 @@ namespace foldproof::internal {
 namespace {
 
 constexpr std::uint8_t kUnknown = 2;
-constexpr std::size_t kKnown = 16;
+constexpr std::size_t kKnown = 16;  // points that bound all depths at first
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 bool contains(std::span<const Index> sorted, Index id) {

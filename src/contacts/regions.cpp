@@ -342,8 +342,6 @@ void RegionFinder::for_each_piece(const Edge& edge, std::span<const Cut> cuts, c
   visit(begin, 1.0, inside, between && is_wall(edge[1]));
 }
 
-// Points on the pieces of edges that are inside and begin and end on curves; where few vertices are inside,
-// on those at vertices, too.
 void RegionFinder::add_pieces(Positions x, Region& region) {
   const bool few = region.vertices.size() <= Region::kFew;
   with_pieces_.clear();

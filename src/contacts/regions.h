@@ -11,10 +11,12 @@ namespace foldproof::inline internal {
 struct Region {
   std::vector<Index> vertices;   ///< Inside; the object's own ids.
   std::vector<Index> triangles;  ///< With all corners inside, ascending.
+  /// Pieces of edges inside that begin and end on curves. Where at most kFew vertices are inside, which tell
+  /// too little, those that begin or end in vertices, too.
+  std::vector<std::array<Vec3, 2>> pieces;
   static constexpr std::size_t kFew = 16;
-  std::vector<std::array<Vec3, 2>> pieces;  ///< Inside, of edges that are cut.
-  double area = 0;                          ///< Mesh units squared; triangles that cross count in part.
-  Index last = kNoIndex;                    ///< A vertex that is far from the curves, along the surface.
+  double area = 0;        ///< Mesh units squared; triangles that cross count in part.
+  Index last = kNoIndex;  ///< A vertex that is far from the curves, along the surface.
 };
 
 /// Which curves divide a surface, and what of it is inside.
