@@ -10,6 +10,22 @@ constexpr std::size_t kFrontLifetime = 16;
 // Tiles of earlier steps are kept, unless they are many more than those of this one and older than fronts.
 constexpr std::size_t kMaxTilesPerTile = 4, kMaxTiles = 1024;
 
+// Counts the pairs of leaves around a hub, whose boxes all overlap, without a visit to each.
+class HubPairs final : public NodeCertificate {
+ public:
+  HubPairs(const Hubs& hubs, std::span<const Hierarchy::Node> nodes) : hubs_(hubs), nodes_(nodes) {}
+  bool separates(NodePair pair) override {
+    if (!hubs_.have_common_hub(pair)) return false;
+    leaf_pairs += std::uint64_t{leaf_count(nodes_[pair.a])} * leaf_count(nodes_[pair.b]);
+    return true;
+  }
+  std::uint64_t leaf_pairs = 0;
+
+ private:
+  const Hubs& hubs_;
+  std::span<const Hierarchy::Node> nodes_;
+};
+
 }  // namespace
 
 // Pairs of objects whose roots' boxes are near each other.
@@ -126,7 +142,15 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   local.found.node_tests = 0;
   const Front::Segment* last = tile.front.segments.data();
   const Front::Segment* const end = last + tile.front.segments.size();
-  const auto is_due = [&](Index node) { return (steps_ + node) % kFrontLifetime == 0; };
+  const auto resumes = [&](Index node, NodePair start) {
+    const bool is_due = (steps_ + (tile.key.is_self() ? node : a + b)) % kFrontLifetime == 0;
+    if (last == end || last->node != node || is_due) return false;
+    const bool is_end = last + 1 == end;
+    const std::size_t pairs = (is_end ? tile.front.pairs.size() : last[1].pairs) - last->pairs,
+                      near = (is_end ? tile.front.near.size() : last[1].near) - last->near;
+    // Around a hub one plane that fails brings many leaves near, and in the next step it may hold again.
+    return 8 * near <= pairs || object_a != object_b || !step.culling.hubs(object_a).have_common_hub(start);
+  };
   if (tile.key.is_self()) {
     const auto nodes = step.motion.hierarchy(object_a).nodes();
     const auto proven = step.culling.proven(object_a);
@@ -141,13 +165,13 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
       }
       if (!nodes[node].is_leaf()) {
         while (last != end && last->node < node) ++last;
-        const bool resumes = last != end && last->node == node && !is_due(node);
-        run_part(step, task, node, children_of(nodes, node), resumes ? last : nullptr, tile);
+        const NodePair children = children_of(nodes, node);
+        run_part(step, task, node, children, resumes(node, children) ? last : nullptr, tile);
       }
       node = NodeIndex(node + 1);
     }
   } else {
-    run_part(step, task, {}, {a, b}, last != end && !is_due(a + b) ? last : nullptr, tile);
+    run_part(step, task, {}, {a, b}, resumes({}, {a, b}) ? last : nullptr, tile);
   }
   tile.node_tests += local.found.node_tests;
   if (step.keeps_fronts) {
@@ -190,8 +214,9 @@ void BroadPhase::find(const StepMotion& motion, Culling& culling, const Filter& 
   culling.end_step(motion, node_tests, leaf_pairs_.size(), work);
 }
 
-std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filter& filter,
-                                            const StepSettings& settings, double distance) {
+std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Culling& culling,
+                                            const Filter& filter, const StepSettings& settings,
+                                            double distance) {
   const float margin = separation_margin(motion.frame(), distance);
   std::atomic<std::uint64_t> count{0};
   const auto count_below = [&](Index a, Index b, NodePair start) {
@@ -199,10 +224,12 @@ std::uint64_t BroadPhase::count_near_leaves(const StepMotion& motion, const Filt
     Local& local = locals_.local();
     local.counted.leaf_pairs.clear();
     local.counted.filter = &visited;
+    HubPairs around_hub(culling.hubs(a), motion.hierarchy(a).nodes());
+    local.counted.certificate = a == b && !filter.asks_nodes() ? &around_hub : nullptr;
     isolated([&] {
       traverse({&motion.bvhs()[a], &motion.bvhs()[b], margin}, start, local.stack, local.counted);
     });
-    count += local.counted.leaf_pairs.size();
+    count += local.counted.leaf_pairs.size() + around_hub.leaf_pairs;
   };
   for (Index a = 0; settings.within && a < motion.size(); ++a) {
     const auto nodes = motion.hierarchy(a).nodes();

@@ -21,7 +21,7 @@ class BroadPhase {
   std::span<const TraversalTask> tasks() const { return tasks_; }
 
   /// The number of pairs of leaves without culling.
-  std::uint64_t count_near_leaves(const StepMotion& motion, const Filter& filter,
+  std::uint64_t count_near_leaves(const StepMotion& motion, const Culling& culling, const Filter& filter,
                                   const StepSettings& settings, double distance);
 
  private:

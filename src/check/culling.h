@@ -42,6 +42,7 @@ class Culling {
   /// What separates nodes around a hub in this step; null where the objects have none in common. Of the
   /// calling thread, until it asks again.
   NodeCertificate* hub_planes(const TraversalTask& task);
+  const Hubs& hubs(Index object) const { return *hubs_[object]; }
   const PatchSlots& slots(Index object) const { return charts_[object]->slots(); }
   /// Requests charts of pairs that remain.
   void request_charts(const Tile& tile) { charts_[tile.key.object_a]->request_pairs(tile.requests); }

@@ -66,6 +66,11 @@ Hubs::Hubs(const Hierarchy& hierarchy) {
   }
 }
 
+bool Hubs::have_common_hub(NodePair nodes) const {
+  return is_around_hub(nodes.a) && is_around_hub(nodes.b) &&
+         !intersection(nodes_[row_[nodes.a]].hubs, nodes_[row_[nodes.b]].hubs).empty();
+}
+
 void Hubs::list_vertices(NodeIndex node, std::vector<Index>& out) const {
   const Node& of = nodes_[row_[node]];
   out = of.before;

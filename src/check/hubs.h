@@ -15,7 +15,9 @@ class Hubs {
   explicit Hubs(const Hierarchy& hierarchy);
 
   bool empty() const { return nodes_.empty(); }
-  bool is_around_hub(NodeIndex node) const { return row_[node] != kNoIndex; }
+  bool is_around_hub(NodeIndex node) const { return !empty() && row_[node] != kNoIndex; }
+  /// Whether all leaves below both nodes have a hub in common, where their boxes overlap.
+  bool have_common_hub(NodePair nodes) const;
   /// The vertices of all triangles below a node around a hub, in leaf order, ascending.
   void list_vertices(NodeIndex node, std::vector<Index>& out) const;
 

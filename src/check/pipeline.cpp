@@ -18,7 +18,8 @@ void Pipeline::explain(Explanation& out) {
   culling.explain(motion, broad_phase.tasks(), broad_phase.leaf_pairs(), out);
   if (settings_.certificates)
     out.leaf_pairs[static_cast<std::size_t>(Reason::Certified)] =
-        broad_phase.count_near_leaves(motion, filter, settings_, distance_) - broad_phase.leaf_pairs().size();
+        broad_phase.count_near_leaves(motion, culling, filter, settings_, distance_) -
+        broad_phase.leaf_pairs().size();
   explain_copies(filter.distinct, out);
 }
 

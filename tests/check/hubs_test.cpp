@@ -147,7 +147,9 @@ TEST(Hubs, AnswersEqualBruteForce) {
   };
   Rng rng(32);
   std::uint64_t crossings = 0, collisions = 0;
-  for (const Shape& shape : shapes(rng)) {
+  const std::vector<Shape> all = shapes(rng);
+  const auto takes_pose = [&](const Shape& shape) { return &shape == &all[4] || &shape == &all[5]; };
+  for (const Shape& shape : all) {
     for (const auto& [motion, grid, thickness] :
          {Movement{0.01, 0, 0.01}, Movement{0.2, 0, 0}, Movement{0.2, 1.0 / 8, 0}}) {
       const oracle::Scene scene = scene_of(shape, motion, grid, rng);
@@ -160,15 +162,54 @@ TEST(Hubs, AnswersEqualBruteForce) {
       const StepResult expected = oracle::brute_force_step(scene, settings, step.tolerance);
       ASSERT_NO_FATAL_FAILURE(expect_same_collisions(step, expected));
       collisions += step.edge_edge_count + step.vertex_face_count;
-      if (grid == 0) continue;
+      // Exact arithmetic on all pairs takes a second per pose: of one with a hub and of one with two.
+      if (grid == 0 || !takes_pose(shape)) continue;
       StaticResult pose;
       ASSERT_TRUE(checker.check_static(x0, {}, pose));
       EXPECT_TRUE(oracle::same_crossings(pose, oracle::brute_force_static(scene, {})));
       crossings += pose.crossing_count;
     }
   }
-  EXPECT_GT(crossings, 500u);
+  EXPECT_GT(crossings, 150u);
   EXPECT_GT(collisions, 1000u);
+}
+
+TEST(Hubs, AnExplanationCountsAllPairsAroundThem) {
+  const Shape shape = fan(5000, 0.5);
+  const auto hierarchy = std::make_shared<const Hierarchy>(
+      *Hierarchy::build(*Topology::make(shape.vertex_count(), shape.triangles), shape.x));
+  StepChecker checker({hierarchy});
+  StepSettings settings;
+  settings.explain = true;
+  StaticResult pose;
+  ASSERT_TRUE(checker.check_static(shape.x, settings, pose));
+  const ReasonCounts& pairs = pose.explanation.leaf_pairs;
+  const std::uint64_t leaves = hierarchy->leaf_count();
+  EXPECT_EQ(std::accumulate(pairs.begin(), pairs.end(), std::uint64_t{0}), leaves * (leaves + 1) / 2);
+  EXPECT_GT(pairs[static_cast<std::size_t>(Reason::Certified)], leaves * leaves / 4);
+}
+
+// A step in which every fourth page sweeps through all others leaves nothing that later steps pay for.
+TEST(Hubs, AStepInWhichPlanesFailCostsTheNextOnesNothing) {
+  Rng rng(34);
+  const Shape shape = book(1000, rng, false);
+  const auto hierarchy = std::make_shared<const Hierarchy>(
+      *Hierarchy::build(*Topology::make(shape.vertex_count(), shape.triangles), shape.x));
+  std::vector<double> folded = shape.x;
+  for (std::size_t v = 2; v < folded.size() / 3; v += 4) {
+    for (const std::size_t k : {3 * v, 3 * v + 1}) folded[k] = -folded[k];
+  }
+  StepSettings settings;
+  settings.look_ahead = false;
+  StepChecker calm({hierarchy}), checker({hierarchy});
+  StepResult usual, bad, later;
+  for (int step = 0; step < 4; ++step) {
+    ASSERT_TRUE(calm.check(shape.x, shape.x, settings, usual));
+    StepResult& result = step == 2 ? bad : later;
+    ASSERT_TRUE(checker.check(shape.x, step == 2 ? folded : shape.x, settings, result));
+  }
+  EXPECT_GT(bad.work.leaf_pairs, 10 * usual.work.leaf_pairs);
+  EXPECT_EQ(later.work.leaf_pairs, usual.work.leaf_pairs);
 }
 
 Work work_of(const Shape& shape, bool moves) {
