@@ -8,6 +8,7 @@
 #include <hwy/highway.h>
 
 #include "bvh/grid.h"
+#include "bvh/touch.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foldproof::HWY_NAMESPACE {
@@ -218,31 +219,43 @@ HWY_INLINE MovingBox BoxOf(const MovingVertex* vertices, const std::array<Index,
   return box;
 }
 
-// Theorem 1: one side of one axis separates the boxes at both ends. B2: one rounding per gap.
-HWY_INLINE bool AreSeparated(const MovingBox& a, const MovingBox& b, float margin) {
-  const auto is_above = [&](const MovingBox& above, const MovingBox& below, int at) {
-    return above.lower[at] - below.upper[at] > margin && above.lower[4 + at] - below.upper[4 + at] > margin;
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    if (is_above(a, b, axis) || is_above(b, a, axis)) return true;
+// The corners of the difference of two features.
+template <std::size_t NA, std::size_t NB>
+HWY_INLINE void SetCorners(const MovingVertex* va, const std::array<Index, NA>& a, const MovingVertex* vb,
+                           const std::array<Index, NB>& b, Ends (&corners)[NA * NB]) {
+  for (std::size_t k = 0; k < NB; ++k) {
+    const Ends of_b = Ends::Load(vb[b[k]]);
+    for (std::size_t i = 0; i < NA; ++i) corners[NA * k + i] = Ends::Load(va[a[i]]) - of_b;
   }
-  return false;
 }
 
-// Of a leaf with itself: if there are many, drops those pairs from `begin` on whose boxes are separated.
-// Where triangles are thin, the cells of the grid are wider than they are.
-template <class FeatureA, class FeatureB>
-void DropSeparated(const Traversal& traversal, FeatureA feature_a, FeatureB feature_b, std::size_t begin,
-                   std::vector<CandidatePair>& pairs) {
-  constexpr std::size_t kMany = 32;
-  if (pairs.size() - begin < kMany) return;
-  const MovingVertex* vertices = traversal.a->vertices.data();
-  const auto is_separated = [&](const CandidatePair& pair) HWY_ATTR {
-    return AreSeparated(BoxOf(vertices, feature_a(pair.a)), BoxOf(vertices, feature_b(pair.b)),
-                        traversal.margin);
-  };
-  pairs.erase(std::remove_if(pairs.begin() + static_cast<std::ptrdiff_t>(begin), pairs.end(), is_separated),
-              pairs.end());
+// Keeps those of the pairs from `begin` on for which `drops` is false. There are many, and which ones is not
+// predictable, so each is written.
+template <class Drops>
+HWY_INLINE void DropIf(std::vector<CandidatePair>& pairs, std::size_t begin, Drops drops) {
+  std::size_t kept = begin;
+  for (std::size_t i = begin; i < pairs.size(); ++i) {
+    const CandidatePair pair = pairs[i];
+    pairs[kept] = pair;
+    kept += !drops(pair);
+  }
+  pairs.resize(kept);
+}
+
+// Drops those of the pairs from `begin` on that cannot come within the margin. corners(pair, d) sets the N
+// corners of a pair.
+template <int N, class Corners>
+HWY_INLINE void DropFar(Corners corners, float margin, std::size_t begin, std::vector<CandidatePair>& pairs) {
+  DropIf(pairs, begin, [&](const CandidatePair& pair) HWY_ATTR {
+    Ends d[N];
+    corners(pair, d);
+    return ApartAlongDiagonals(d, margin);
+  });
+  DropIf(pairs, begin, [&](const CandidatePair& pair) HWY_ATTR {
+    Ends d[N];
+    corners(pair, d);
+    return NeverCoplanar(d[0], d[1], d[2], margin);
+  });
 }
 
 void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer& out) {
@@ -260,21 +273,32 @@ void FindCandidates(const Traversal& traversal, LeafPair leaves, CandidateBuffer
   };
   if (of_a == Element::Point && of_b == Element::Point)
     return FindPointPairs(a, b, test, out[FeaturePair::VertexFace]);
-  auto &faces = out[FeaturePair::VertexFace], &edges = out[FeaturePair::EdgeEdge];
-  const std::size_t first_face = faces.size(), first_edge = edges.size();
-  if (tests(ta, of_a, of_b)) TestFeatures(a, ta.vertex_blocks, b, tb.face_blocks, test, faces);
-  TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, edges);
-  if (same_leaf) {
-    const auto vertex = [](Index v) { return std::array<Index, 1>{v}; };
-    const auto face = [&](Index t) { return ta.hierarchy->triangles()[t]; };
-    const auto edge = [&](Index e) { return ta.hierarchy->edges()[e]; };
-    DropSeparated(traversal, vertex, face, first_face, faces);
-    DropSeparated(traversal, edge, edge, first_edge, edges);
-  }
+  const auto test_edges = [&](std::vector<CandidatePair>& pairs) HWY_ATTR {
+    const std::size_t begin = pairs.size();
+    TestFeatures(a, ta.edge_blocks, b, tb.edge_blocks, edge_test, pairs);
+    const auto edges_a = ta.hierarchy->edges(), edges_b = tb.hierarchy->edges();
+    const auto corners = [&](const CandidatePair& pair, Ends(&d)[4]) HWY_ATTR {
+      SetCorners(ta.vertices.data(), edges_a[pair.a], tb.vertices.data(), edges_b[pair.b], d);
+    };
+    DropFar<4>(corners, margin, begin, pairs);
+  };
+  const auto test_faces = [&](const LeafSide& v, const LeafSide& f, std::vector<CandidatePair>& pairs)
+                              HWY_ATTR {
+                                const std::size_t begin = pairs.size();
+                                TestFeatures(v, v.bvh.vertex_blocks, f, f.bvh.face_blocks, test, pairs);
+                                const auto faces = f.bvh.hierarchy->triangles();
+                                const auto corners = [&](const CandidatePair& pair, Ends(&d)[3]) HWY_ATTR {
+                                  SetCorners(v.bvh.vertices.data(), std::array<Index, 1>{pair.a},
+                                             f.bvh.vertices.data(), faces[pair.b], d);
+                                };
+                                DropFar<3>(corners, margin, begin, pairs);
+                              };
+  if (tests(ta, of_a, of_b)) test_faces(a, b, out[FeaturePair::VertexFace]);
+  test_edges(out[FeaturePair::EdgeEdge]);
   if (same_leaf || !tests(tb, of_b, of_a)) return;
   auto& other = out[same_object ? FeaturePair::VertexFace : FeaturePair::FaceVertex];
   const std::size_t begin = other.size();
-  TestFeatures(b, tb.vertex_blocks, a, ta.face_blocks, test, other);
+  test_faces(b, a, other);
   if (same_object) return;
   for (std::size_t i = begin; i < other.size(); ++i) std::swap(other[i].a, other[i].b);
 }

@@ -107,7 +107,7 @@ HWY_INLINE Interval FirstCrossing(const Cubic& f) {
 
 // An estimate of the cubic's first zero, by safeguarded Newton iteration; 1 when it seems to have none. The
 // caller proves the time before it, so an estimate suffices. Lanes that are not active get anything.
-HWY_INLINE V EstimateFirstZero(const Cubic& f, M active) {
+HWY_INLINE V EstimateFirstZero(const Cubic& f, M active, V accuracy) {
   auto [low, high, found] = FirstCrossing(f);
   V t = hn::Mul(hn::Add(low, high), Number(0.5));
   M open = hn::And(active, found);
@@ -121,7 +121,8 @@ HWY_INLINE V EstimateFirstZero(const Cubic& f, M active) {
     const V newton = hn::Sub(t, hn::Div(value, f.Slope(t)));
     const M good = hn::And(hn::Gt(newton, low), hn::Lt(newton, high));
     const V next = hn::IfThenElse(good, newton, hn::Mul(hn::Add(low, high), Number(0.5)));
-    const M close = hn::Lt(hn::Abs(hn::Sub(next, t)), Number(1e-15));
+    const V step = hn::Sub(next, t);
+    const M close = hn::Lt(hn::Mul(step, step), accuracy);
     t = hn::IfThenElse(open, next, t);
     open = hn::AndNot(close, open);
   }
@@ -160,6 +161,7 @@ class Iteration {
     MarkSeparated(hn::And(open_, hn::Ge(t_, Number(1))));
     FollowPlane(here.normal);
     if (use_volume && Any(open_)) FollowVolume();
+    Advance(hn::And(open_, far_), plane_end_);
     M stuck = hn::FirstN(D(), 0);
     if (Any(open_)) stuck = ProveInterval(here.normal, use_volume);
     hn::Store(t_, D(), lanes_.t + lane_);
@@ -202,13 +204,14 @@ class Iteration {
     }
     MarkSeparated(hn::And(now, end));
     plane_end_ = t_;
+    far_ = hn::FirstN(D(), 0);
     now = hn::And(now, open_);
     if (!Any(now)) return;
     const V t = hn::Add(t_, hn::Mul(left_, fraction));
     now = hn::And(now, hn::And(hn::Gt(t, t_), hn::Lt(t, Number(1))));
     now = hn::And(now, BeyondPlane(normal, At(a_, e_, t)));
     plane_end_ = hn::IfThenElse(now, t, t_);
-    Advance(hn::And(now, hn::Ge(hn::Sub(t, t_), hn::Mul(left_, Number(0.125)))), t);
+    far_ = hn::And(now, hn::Ge(hn::Sub(t, t_), hn::Mul(left_, Number(0.125))));
   }
 
   // N3. Advances to just before the volume is zero.
@@ -224,7 +227,8 @@ class Iteration {
     }
     // The time in which nothing moves farther than an eighth of the tolerance.
     const V backward = hn::Div(tolerance_, hn::Mul(Number(8), hn::Sqrt(speed2)));
-    const V zero = EstimateFirstZero(Cubic(volume.b), open_);
+    const V zero =
+        EstimateFirstZero(Cubic(volume.b), open_, hn::Mul(hn::Div(backward, left_), Number(0x1p-6)));
     const V t = hn::Sub(hn::Add(t_, hn::Mul(left_, zero)), backward);
     const M on = hn::And(hn::And(open_, able), hn::And(hn::Gt(t, plane_end_), hn::Lt(t, Number(1))));
     if (Any(on)) Advance(hn::And(on, Volume(now_, At(a_, e_, t)).KeepsSign(error_)), t);
@@ -269,7 +273,7 @@ class Iteration {
   ConservativeAdvancement::Lanes& lanes_;
   const std::size_t lane_;
   M open_;  // lanes that have not advanced in this iteration
-  M separated_ = hn::FirstN(D(), 0), without_thickness_;
+  M separated_ = hn::FirstN(D(), 0), without_thickness_, far_;
   const Corners<N> a_, e_;
   V t_;
   const V left_, tolerance_, error_;

@@ -27,7 +27,7 @@ double cost_of(const Work& work, bool looks_ahead) {
   const auto n = [](std::uint64_t count) { return static_cast<double>(count); };
   const double candidates = n(work.candidates_vf + work.candidates_ee);
   return 0.02 * n(work.node_tests) + 0.3 * n(work.certificate_tests) +
-         (looks_ahead ? 3 : 1) * n(work.leaf_pairs) + 0.03 * candidates;
+         (looks_ahead ? 2 : 1) * n(work.leaf_pairs) + 0.03 * candidates;
 }
 
 // The settings that a search depends on; what only its later steps ask for is as by default.

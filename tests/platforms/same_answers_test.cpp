@@ -173,11 +173,11 @@ TEST_P(Spheres, PassThroughEachOther) {
 }
 
 INSTANTIATE_TEST_SUITE_P(SameAnswers, Spheres,
-                         testing::Values(std::tuple(1, 0, 0x1436d0f55eff9abd),
-                                         std::tuple(0x1p-80, 0, 0x3ca86f42566573f5),
-                                         std::tuple(1e6, 0, 0x8765ef4e0056f619),
-                                         std::tuple(1, 1e6, 0xfeb09871cc87992d),
-                                         std::tuple(0x1p500, 0, 0x84f873caa2f7a08d)));
+                         testing::Values(std::tuple(1, 0, 0xcb2ce9dcf94b72d5),
+                                         std::tuple(0x1p-80, 0, 0x001f5d977a163c45),
+                                         std::tuple(1e6, 0, 0x0aafdd15f97bb575),
+                                         std::tuple(1, 1e6, 0xf2302e29df3bbcc5),
+                                         std::tuple(0x1p500, 0, 0x087b0156d5f863d5)));
 
 TEST(SameAnswers, Soup) {
   Numbers numbers;
@@ -187,7 +187,7 @@ TEST(SameAnswers, Soup) {
   std::vector<std::vector<std::vector<double>>> frames(4, {std::vector<double>(2700)});
   for (auto& frame : frames)
     for (double& x : frame[0]) x = numbers.next();
-  EXPECT_EQ(hash_of({&topology}, frames, 0), 0xea0c1e459892a22d);
+  EXPECT_EQ(hash_of({&topology}, frames, 0), 0xacb63a4386036d85);
 }
 
 TEST(SameAnswers, QueriesOfSolvers) {
