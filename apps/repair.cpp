@@ -8,7 +8,7 @@
 #include "contact_lines.h"
 #include "interruptible_motion.h"
 #include "progress_bar.h"
-#include "repair_outputs.h"
+#include "report/repair_files.h"
 #include "report/repair_report.h"
 #include "run_and_summarize.h"
 #include "step_options.h"

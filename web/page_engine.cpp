@@ -1,4 +1,6 @@
 // The page's data and its check, for JavaScript in a worker: one scene at a time.
+#include <emscripten.h>
+
 #include <memory>
 #include <new>
 #include <string>
@@ -9,6 +11,8 @@
 
 namespace foldproof {
 namespace {
+
+EM_JS(void, tell_share, (double share), { Module['repairing'](share); });
 
 std::unique_ptr<Page> page;
 std::atomic<bool> stop = false;
@@ -53,6 +57,7 @@ Result<void> open(const Json& request) {
   input.writer = [read = input.read, command](Motions motions, const CheckSettings& settings) {
     return page_report(kReport, motions, {{settings, read}, command}, page_files());
   };
+  input.repair_progress = tell_share;
   page = FOLDPROOF_TRY(Page::open(std::move(input)));
   return {};
 }

@@ -11,6 +11,7 @@
 #include "page/found_contacts.h"
 #include "page/page_json.h"
 #include "page/radius.h"
+#include "page/repair.h"
 #include "report/contact_pictures.h"
 
 namespace foldproof {
@@ -51,11 +52,11 @@ std::optional<std::uint64_t> number_in(std::string_view text) {
   return number;
 }
 
-std::vector<std::string_view> split(std::string_view path) {
+std::vector<std::string_view> split(std::string_view text, char separator = '/') {
   std::vector<std::string_view> parts;
-  for (std::size_t from = 0; from <= path.size();) {
-    const std::size_t to = std::min(path.find('/', from), path.size());
-    parts.push_back(path.substr(from, to - from));
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t to = std::min(text.find(separator, from), text.size());
+    parts.push_back(text.substr(from, to - from));
     from = to + 1;
   }
   return parts;
@@ -69,6 +70,7 @@ struct Page::Impl {
   std::unique_ptr<SceneData> scene;
   std::unique_ptr<StepStore> store;
   std::unique_ptr<RadiusService> radii;
+  std::unique_ptr<RepairService> repair;
   std::vector<std::unique_ptr<ReportWriter>> writers;
   std::optional<MotionCheck> check;  // until it has ended
   mutable std::mutex mutex;          // guards the following
@@ -97,6 +99,11 @@ struct Page::Impl {
   PageAnswer faces(Numbers, const PageQuery&) const;
   PageAnswer contacts(Numbers, const PageQuery&) const;
   PageAnswer contact(Numbers, const PageQuery&) const;
+  PageAnswer repair_status(Numbers, const PageQuery&) const { return json_answer(repair->status()); }
+  PageAnswer repair_start(Numbers, const PageQuery&) const;
+  PageAnswer repair_cancel(Numbers, const PageQuery&) const;
+  PageAnswer repaired_frame(Numbers, const PageQuery&) const;
+  PageAnswer repaired_file(Numbers, const PageQuery&) const;
 
   const PageObject& object(std::uint64_t i) const { return *scene->objects()[i]; }
   std::optional<PageAnswer> missing_object(std::uint64_t i) const;
@@ -341,6 +348,39 @@ Result<View> Page::Impl::view_of_contact(const Contact& contact, Up up) const {
   return pictures->view(contact, up);
 }
 
+PageAnswer Page::Impl::repair_start(Numbers, const PageQuery& query) const {
+  std::vector<Index> fixed;
+  const auto named = query.find("fixed");
+  for (const auto& text : split(named == query.end() ? std::string_view() : named->second, ',')) {
+    if (text.empty()) continue;
+    const auto number = number_in(text);
+    if (!number) return no_number("fixed");
+    if (auto answer = missing_object(*number)) return *answer;
+    fixed.push_back(static_cast<Index>(*number));
+  }
+  repair->start(std::move(fixed));
+  return json_answer(repair->status());
+}
+
+PageAnswer Page::Impl::repair_cancel(Numbers, const PageQuery&) const {
+  repair->cancel();
+  return json_answer(repair->status());
+}
+
+PageAnswer Page::Impl::repaired_frame(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_object(n[0])) return *answer;
+  if (auto answer = missing_frame(n[1])) return *answer;
+  const auto x = repair->frame(static_cast<Index>(n[0]), static_cast<Index>(n[1]));
+  return x ? float_answer(*x, scene->center()) : refuse(404, x.error().line());
+}
+
+PageAnswer Page::Impl::repaired_file(Numbers n, const PageQuery&) const {
+  if (auto answer = missing_object(n[0])) return *answer;
+  auto bytes = repair->file(static_cast<Index>(n[0]));
+  return bytes ? PageAnswer{200, "application/octet-stream", std::move(*bytes)}
+               : refuse(404, bytes.error().line());
+}
+
 void Page::Impl::end_check(State end, std::string line) {
   const std::lock_guard lock(mutex);
   state = end;
@@ -348,7 +388,7 @@ void Page::Impl::end_check(State end, std::string line) {
 }
 
 bool Page::Impl::advance(const std::atomic<bool>& stop) {
-  if (!check) return radii->compute_queued(stop);
+  if (!check) return radii->compute_queued(stop) || repair->compute_queued(stop);
   if (stop) {
     check.reset();
     end_check(State::Stopped, {});
@@ -376,9 +416,11 @@ Page::~Page() = default;
 Result<std::unique_ptr<Page>> Page::open(PageInput input) {
   auto impl = std::make_unique<Impl>();
   const auto writer = std::move(input.writer);
+  auto progress = input.repair_progress;
   impl->scene = FOLDPROOF_TRY(SceneData::open(std::move(input)));
   impl->store = FOLDPROOF_TRY(StepStore::open(impl->scene->motions()));
   impl->radii = std::make_unique<RadiusService>(*impl->scene);
+  impl->repair = std::make_unique<RepairService>(*impl->scene, std::move(progress));
   impl->writers.push_back(std::make_unique<StoreWriter>(*impl->store));
   if (writer) impl->writers.push_back(FOLDPROOF_TRY(writer(impl->scene->motions(), impl->scene->settings())));
   impl->check =
@@ -406,6 +448,11 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
       {"/api/steps/#/faces/#", &Impl::faces},
       {"/api/contacts", &Impl::contacts},
       {"/api/contacts/#", &Impl::contact},
+      {"/api/repair", &Impl::repair_status},
+      {"/api/repair/start", &Impl::repair_start},
+      {"/api/repair/cancel", &Impl::repair_cancel},
+      {"/api/objects/#/repaired/file", &Impl::repaired_file},
+      {"/api/objects/#/repaired/#", &Impl::repaired_frame},
   };
   const auto parts = split(path);
   for (const Route& route : routes) {

@@ -43,6 +43,8 @@ struct PageInput {
   ReadOptions read;     ///< How the motions were read, for display.
   /// Makes another receiver of the answers, such as a page_report(); or empty.
   std::function<Result<std::unique_ptr<ReportWriter>>(Motions, const CheckSettings&)> writer = {};
+  /// Called with the share of a repair that is done, where requests cannot be answered meanwhile; or empty.
+  std::function<void(double)> repair_progress = {};
 };
 
 /// The response to a request.
@@ -68,8 +70,8 @@ class Page {
   /// `path` starts with "/api/" and is decoded. Thread-safe.
   PageAnswer get(std::string_view path, const PageQuery& query = {}) const;
 
-  /// Does the next part of the check, then certifies radii on request. False if there is nothing to do. Ends
-  /// the check if `stop` is set. Not thread-safe.
+  /// Does the next part of the check, then certifies radii and repairs on request. False if there is nothing
+  /// to do. Ends the check if `stop` is set. Not thread-safe.
   bool advance(const std::atomic<bool>& stop);
   /// Advances or waits for requests until `stop` is set. Call it once, from one thread.
   void work(const std::atomic<bool>& stop);

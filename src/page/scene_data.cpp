@@ -18,6 +18,7 @@ Result<std::unique_ptr<SceneData>> SceneData::open(PageInput input) {
   std::unique_ptr<SceneData> scene(new SceneData);
   scene->settings_ = std::move(input.check);
   scene->read_ = input.read;
+  scene->cancels_ = !input.repair_progress;
   CheckSettings& settings = scene->settings_;
   auto frames = FOLDPROOF_TRY(frames_to_check(input.motions, settings));
   FOLDPROOF_TRY(require_models_of(input.motions, settings));
@@ -105,7 +106,8 @@ Json SceneData::json() const {
             {"ignore", settings_.ignore},
             {"unit", unit_of(motions_, settings_)},
             {"mode", settings_.paper_miss_rate ? "paper" : "proven"}}},
-          {"reasons", kReasonNames}};
+          {"reasons", kReasonNames},
+          {"cancels", cancels_}};
 }
 
 Result<std::vector<float>> SceneData::boxes(Index i, Index k, Index level) const {

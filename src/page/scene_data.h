@@ -32,6 +32,7 @@ class SceneData {
 
   Motions motions() const { return motions_; }
   const CheckSettings& settings() const { return settings_; }
+  const ReadOptions& read() const { return read_; }
   std::span<const std::unique_ptr<PageObject>> objects() const { return objects_; }
   std::span<const Index> frames() const { return frames_; }
   /// In a static check every frame is one; else 1 for a single frame: a step without motion.
@@ -54,6 +55,7 @@ class SceneData {
   std::vector<std::unique_ptr<Motion>> motions_;
   CheckSettings settings_;
   ReadOptions read_;
+  bool cancels_ = true;  // a repair can be: requests are answered meanwhile
   std::vector<std::unique_ptr<PageObject>> objects_;
   std::vector<Index> frames_;
   Vec3 low_, high_;

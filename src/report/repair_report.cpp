@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "report/json_values.h"
 #include "report/text_file.h"
 
 namespace foldproof {
@@ -92,9 +91,7 @@ CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const
   return out;
 }
 
-Result<void> write_repair_json(const std::string& path, Motions motions, const RepairRequest& request,
-                               const RepairReport& report) {
-  TextFile file(FOLDPROOF_TRY(FileWriter::open(path)));
+Json repair_json(Motions motions, const RepairRequest& request, const RepairReport& report) {
   Json frames = Json::array();
   for (const RepairedFrame& f : report.frames) {
     frames.push_back({{"time", f.time},
@@ -121,7 +118,13 @@ Result<void> write_repair_json(const std::string& path, Motions motions, const R
   list("before", report.before);
   list("remaining", report.remaining);
   list("among_fixed", report.among_fixed);
-  file.add("{}\n", dump(json));
+  return json;
+}
+
+Result<void> write_repair_json(const std::string& path, Motions motions, const RepairRequest& request,
+                               const RepairReport& report) {
+  TextFile file(FOLDPROOF_TRY(FileWriter::open(path)));
+  file.add("{}\n", dump(repair_json(motions, request, report)));
   return file.commit();
 }
 

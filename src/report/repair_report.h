@@ -4,8 +4,8 @@
 
 #include <functional>
 
+#include "report/json_values.h"
 #include "report/repair_motions.h"
-#include "report/verdict.h"
 
 namespace foldproof {
 
@@ -19,7 +19,9 @@ Sentence frames_named(const std::vector<RepairedFrame>& frames,
 /// Contacts as lists show them, the worst first.
 CheckTotals contact_totals(std::vector<Contact> contacts, const RepairReport& report);
 
-/// Writes a file with the verdict, how far each frame was moved, and all contacts (docs/repair.md).
+/// The verdict, how far each frame was moved, and all contacts (docs/repair.md).
+Json repair_json(Motions motions, const RepairRequest& request, const RepairReport& report);
+/// The same as a file.
 Result<void> write_repair_json(const std::string& path, Motions motions, const RepairRequest& request,
                                const RepairReport& report);
 

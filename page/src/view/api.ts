@@ -39,6 +39,7 @@ export interface SceneInfo {
   high: number[];
   settings: Record<string, unknown>;
   reasons: string[];
+  cancels: boolean; // a repair can be cancelled
 }
 
 /** Of all objects, mesh units. */
@@ -137,6 +138,19 @@ export async function getFloats(path: string, signal?: AbortSignal): Promise<Flo
   const response = await get(path, signal);
   return new Float32Array(await body(response.arrayBuffer()));
 }
+
+export async function getBlob(path: string): Promise<Blob> {
+  const response = await get(path);
+  return body(response.blob());
+}
+
+let repairing: (share: number) => void = () => undefined;
+
+/** Where the source answers nothing while it repairs, it says how far it is. */
+export function onRepairProgress(listener: (share: number) => void): void {
+  repairing = listener;
+}
+export const repairProgress = (share: number): void => repairing(share);
 
 export async function getIndices(path: string): Promise<Uint32Array> {
   const response = await get(path);

@@ -23,6 +23,7 @@ import { LayerPanel } from './layers';
 import { Layout, type Tab } from './layout';
 import { legendItems } from './legend';
 import { Navigator, type Parts } from './navigator';
+import { RepairPanel } from './repair';
 import { ShapePanel } from './shapes';
 import { Stage } from './stage';
 import { Timeline } from './timeline';
@@ -46,6 +47,7 @@ export class App {
   private readonly timeline: Timeline;
   private readonly hover: HoverCard;
   private readonly collisions: CollisionPanel;
+  private readonly repair: RepairPanel;
   private readonly cards: ContactPanel;
   private readonly charts: Charts;
   private readonly stage: Stage;
@@ -100,7 +102,8 @@ export class App {
       collision: (direction) => this.navigator.nextCollision(direction),
     });
     this.collisions = new CollisionPanel(scene, this.check, (pair) => this.navigator.choose(pair), (direction) => this.navigator.nextCollision(direction), () => this.navigator.goTo(() => this.clock.seek(0)));
-    this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index));
+    this.repair = new RepairPanel(scene, { changed: () => this.repairChanged(), show: (after) => this.showRepaired(after), failed });
+    this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index), this.repair.element);
     this.charts = this.makeCharts();
     this.layout = new Layout(root, scene, () => this.timeline.element, this.tools());
     root.append(this.help);
@@ -117,7 +120,7 @@ export class App {
 
   async start(): Promise<void> {
     this.fillPanels();
-    listen(keyActions({ ...this.parts(), navigator: this.navigator, layers: this.layers, options: this.options, help: this.help }));
+    listen(keyActions({ ...this.parts(), navigator: this.navigator, layers: this.layers, options: this.options, help: this.help, beforeOrAfter: () => this.showRepaired(this.layers.state.source !== 'repaired') }));
     this.check.startPolling();
     this.data.frames.prefetch(this.clock.frame);
     onTheme(() => this.restyle());
@@ -293,7 +296,22 @@ export class App {
     this.layout.lead(contacts.state === 'known' && contacts.total > 0, check.pairs > 0 || check.startsCrossing);
   }
 
+  private repairChanged(): void {
+    const { repaired, version, corrections } = this.repair;
+    this.data.setRepaired(repaired);
+    this.content?.setRepair(version);
+    this.layers.offerRepaired(repaired);
+    this.track.setCorrections(corrections);
+    this.dirty = true;
+  }
+
+  private showRepaired(after: boolean): void {
+    if (after && !this.repair.repaired) return;
+    this.layers.setSource(after ? 'repaired' : 'motion');
+  }
+
   private contactsKnown(): void {
+    if (!this.check.poses) this.repair.offer(this.contacts.total);
     this.showVerdict();
     this.timeline.paint();
     this.dirty = true;
@@ -402,8 +420,13 @@ export class App {
     this.stage.redraw();
   }
 
+  /** The repaired motion is shown: marks are of what was before. */
+  private get mended(): boolean {
+    return this.layers.state.source === 'repaired';
+  }
+
   private showFaces(content: Content, shaping: boolean): void {
-    const needed = !shaping && this.data.needsFaces(this.clock.step);
+    const needed = !shaping && !this.mended && this.data.needsFaces(this.clock.step);
     const slot = needed ? this.data.faces.get(this.clock.step) : undefined;
     if (needed && !slot && this.clock.playing) this.waiting = true;
     content.showFaces(this.clock.step, slot?.parts ?? null);
@@ -416,9 +439,10 @@ export class App {
     const colliding = step !== undefined && collisionsOf(step) > 0;
     if (this.atStart && !this.pairs.get(kStart)) this.pairs.request(kStart, false);
     else if (colliding && !this.pairs.get(clock.step)) this.pairs.request(clock.step, false);
-    content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && !shaping, clock);
-    content.lines.group.visible = this.navigator.chosen !== null && !shaping;
-    content.contact.show(this.navigator.contact !== null && !shaping, clock.position, this.navigator.contact === null ? 0 : this.navigator.worstPosition(this.navigator.contact));
+    const marked = !shaping && !this.mended;
+    content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && marked, clock);
+    content.lines.group.visible = this.navigator.chosen !== null && marked;
+    content.contact.show(this.navigator.contact !== null && marked, clock.position, this.navigator.contact === null ? 0 : this.navigator.worstPosition(this.navigator.contact));
     content.showKeysAndBoxes(state, clock, shaping);
   }
 
@@ -429,7 +453,12 @@ export class App {
     this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), this.atStart ? this.pairs.get(kStart) : undefined);
     if (this.layout.openTab === 'charts' && clock.frames > 1) this.showCharts();
     const { verdict } = this.layout;
-    verdict.hidden = !shaping;
+    this.repair.showSide(this.mended);
+    verdict.hidden = !shaping && !this.mended;
+    if (!shaping && this.mended) {
+      setText(verdict, `Repaired. ${this.repair.verdict?.text ?? ''}`);
+      verdict.dataset['kind'] = this.repair.verdict?.kind === 'free' ? 'inside' : 'outside';
+    }
     if (shaping) {
       const { text, kind } = this.shapes!.verdictText();
       setText(verdict, text);
@@ -455,14 +484,14 @@ export class App {
   private showLegend(content: Content, shaping: boolean, boxFrame: number | null): void {
     const { check, scene } = this;
     const layers = this.layers.state;
-    const error = content.errors.at(this.clock.frame);
+    const error = (layers.paint === 'correction' ? content.corrections : content.errors).at(this.clock.frame);
     const end = this.clock.t >= 0.5;
-    const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error]);
+    const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error, this.repair.version]);
     if (key === this.legendKey) return;
     this.legendKey = key;
     const contact = this.navigator.contact === null ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error }),
+      ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error, repaired: this.repair.repaired }),
     );
   }
 
@@ -506,6 +535,8 @@ export class App {
       norm: this.shapes?.norm ?? null,
       facesShown: content?.shownFaces ?? -1,
       dark: isDark(),
+      repaired: this.repair.repaired,
+      shape: this.layers.state.source,
     };
   }
 }

@@ -37,11 +37,12 @@ export class ContactPanel {
     private readonly check: Check,
     private readonly contacts: Contacts,
     private readonly choose: (index: number) => void,
+    repair: HTMLElement,
   ) {
     for (const [kind, title] of kKinds) this.kinds.append(el('option', { value: kind }, title));
     for (const select of [this.sides, this.kinds]) select.addEventListener('change', () => this.filter());
     this.filters.append(this.sides, this.kinds);
-    this.element = el('div', { className: 'panel contacts' }, this.head, this.note, this.filters, this.list);
+    this.element = el('div', { className: 'panel contacts' }, this.head, this.note, repair, this.filters, this.list);
   }
 
   show(chosen: number | null): void {

@@ -7,7 +7,7 @@ import type { PairsOfStep } from './check';
 import type { Clock } from './clock';
 import { ContactView } from './contactview';
 import type { Data } from './data';
-import { PredictionErrors } from './errors';
+import { Distances } from './errors';
 import type { LayerState } from './layers';
 import { countFaces, type FaceCounts } from './legend';
 import { Boxes, ContactPoints, keyPoints, PairLines } from './marks';
@@ -17,7 +17,8 @@ import { Surface, type Poses } from './surface';
 
 export class Content {
   readonly surfaces: Surface[] = [];
-  readonly errors: PredictionErrors;
+  readonly errors: Distances; // of predictions
+  corrections: Distances; // of the repair
   readonly lines: PairLines;
   readonly contact: ContactView;
   readonly center: THREE.Vector3; // mesh units
@@ -27,6 +28,7 @@ export class Content {
   private readonly boxes: Boxes[] = [];
   private readonly keys: (THREE.Group | null)[] = [];
   private readonly points: ContactPoints;
+  private repair = 0;
   private shownPairs: Pair[] | null = null;
   private shownBoxes: Float32Array[] | null = null;
 
@@ -36,7 +38,8 @@ export class Content {
     private readonly data: Data,
     triangles: Uint32Array[],
   ) {
-    this.errors = new PredictionErrors(scene);
+    this.errors = new Distances(scene);
+    this.corrections = new Distances(scene);
     this.center = new THREE.Vector3(...(scene.center as [number, number, number]));
     scene.objects.forEach((object, i) => {
       const surface = new Surface(object, i, triangles[i]!, scene.reasons, stage.scale, stage.focusUniforms);
@@ -102,6 +105,12 @@ export class Content {
     });
   }
 
+  /** Another repair is shown from now on. */
+  setRepair(version: number): void {
+    this.repair = version;
+    this.corrections = new Distances(this.scene);
+  }
+
   /** Shows the pose of the timeline; false while it is not loaded. */
   showFrame(clock: Clock, state: LayerState): boolean {
     const { data, scene } = this;
@@ -109,24 +118,30 @@ export class Content {
     const next = Math.min(k + 1, scene.frames - 1);
     const [a, b] = [data.frames.get(k), data.frames.get(next)];
     const predicted = state.source === 'prediction' || state.paint === 'error';
-    if (predicted) data.predictions.prefetch(k);
-    const [pa, pb] = predicted ? [data.predictions.get(k), data.predictions.get(next)] : [undefined, undefined];
-    if (!a || !b || (predicted && (!pa || !pb))) return false;
+    const mended = data.repaired !== null && (state.source === 'repaired' || state.paint === 'correction');
+    // What the shape is compared with, or what is shown in its place.
+    const others = mended ? data.repaired! : predicted ? data.predictions : null;
+    others?.prefetch(k);
+    const [oa, ob] = [others?.get(k), others?.get(next)];
+    if (!a || !b || (others && (!oa || !ob))) return false;
+    const name = mended ? `repaired ${this.repair}` : 'prediction';
+    const distances = mended ? this.corrections : this.errors;
     this.surfaces.forEach((surface, i) => {
       const truth: [Poses, Poses] = [{ data: a.parts[i]!, tag: `frame/${k}` }, { data: b.parts[i]!, tag: `frame/${next}` }];
       let shown = truth;
-      const hasPrediction = predicted && data.predicts(i);
-      if (hasPrediction) {
-        const prediction: [Poses, Poses] = [{ data: pa!.parts[i]!, tag: `prediction/${k}` }, { data: pb!.parts[i]!, tag: `prediction/${next}` }];
-        if (state.source === 'prediction') shown = prediction;
-        surface.reference(...(shown === prediction ? truth : prediction));
-        this.errors.measure(k, i, a.parts[i]!, pa!.parts[i]!);
+      const hasOther = others !== null && (mended || data.predicts(i));
+      if (hasOther) {
+        const other: [Poses, Poses] = [{ data: oa!.parts[i]!, tag: `${name}/${k}` }, { data: ob!.parts[i]!, tag: `${name}/${next}` }];
+        if (state.source !== 'motion') shown = other;
+        surface.reference(...(shown === other ? truth : other));
+        distances.measure(k, i, a.parts[i]!, oa!.parts[i]!);
       }
       surface.pose(shown[0], shown[1], clock.blend);
       surface.showEnd(clock.t >= 0.5);
       surface.mesh.visible = state.visible[i]!;
-      const paint = state.paint === 'error' && !hasPrediction ? 'plain' : state.paint;
-      surface.paint({ ...state, paint, errorScale: this.errors.scale, edgeColor: edgeColor() });
+      const paint = (state.paint === 'error' && (mended || !hasOther)) || (state.paint === 'correction' && !mended) ? 'plain' : state.paint;
+      const marked = state.source !== 'repaired'; // marks are of what was checked
+      surface.paint({ ...state, collisions: state.collisions && marked, meets: state.meets && marked, paint, errorScale: distances.scale, edgeColor: edgeColor() });
     });
     return true;
   }

@@ -18,6 +18,8 @@ function budget(): number {
 export class Data {
   readonly frames: Ring<Float32Array<ArrayBuffer>>;
   readonly predictions: Ring<Float32Array<ArrayBuffer>>;
+  /** Of the last repair; null without one. */
+  repaired: Ring<Float32Array<ArrayBuffer>> | null = null;
   readonly faces: Ring<Uint8Array<ArrayBuffer>>;
   readonly budget = budget();
   boxes: { frame: number; level: number; data: Float32Array[] } | null = null;
@@ -53,6 +55,15 @@ export class Data {
     });
   }
 
+  /** Begins anew with the frames of a repair, or without one. */
+  setRepaired(exists: boolean): void {
+    const { scene, changed, failed } = this;
+    const parts = scene.objects.map(({ vertices }) => ({ elements: floatsOf(vertices), bytes: 12 * vertices }));
+    this.repaired = exists
+      ? new Ring({ loaded: changed, failed, count: scene.frames, parts, make: (n: number) => new Float32Array(n), needed: () => true, budget: this.budget / 4, path: (i, k) => `objects/${i}/repaired/${k}` })
+      : null;
+  }
+
   predicts(object: number): boolean {
     return (this.scene.objects[object]?.model?.key_points.length ?? 0) > 0;
   }
@@ -66,7 +77,7 @@ export class Data {
   }
 
   bytes(): number {
-    return this.frames.bytes() + this.predictions.bytes() + this.faces.bytes();
+    return this.frames.bytes() + this.predictions.bytes() + this.faces.bytes() + (this.repaired?.bytes() ?? 0);
   }
 
   /** Fetches the boxes of a frame, one request at a time. */

@@ -1,4 +1,4 @@
-// Errors of predictions, measured when a frame is shown.
+// Distances from the motion, of predictions or of a repair, measured when a frame is shown.
 import type { SceneInfo } from './api';
 
 export interface ErrorNow {
@@ -7,20 +7,20 @@ export interface ErrorNow {
   rms: number;
 }
 
-export class PredictionErrors {
+export class Distances {
   /** The end of the color scale: it grows to the largest error, in round numbers. */
   scale = 0;
   private readonly measured = new Map<number, { largest: number; rms: number }>();
 
   constructor(private readonly scene: SceneInfo) {}
 
-  measure(frame: number, object: number, truth: Float32Array, prediction: Float32Array): void {
+  measure(frame: number, object: number, truth: Float32Array, other: Float32Array): void {
     const key = frame * this.scene.objects.length + object;
     if (this.measured.has(key)) return;
     const n = 3 * this.scene.objects[object]!.vertices;
     let [largest, sum] = [0, 0];
     for (let c = 0; c < n; c += 3) {
-      const d = (truth[c]! - prediction[c]!) ** 2 + (truth[c + 1]! - prediction[c + 1]!) ** 2 + (truth[c + 2]! - prediction[c + 2]!) ** 2;
+      const d = (truth[c]! - other[c]!) ** 2 + (truth[c + 1]! - other[c + 1]!) ** 2 + (truth[c + 2]! - other[c + 2]!) ** 2;
       largest = Math.max(largest, d);
       sum += d;
     }

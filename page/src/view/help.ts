@@ -18,6 +18,7 @@ const keysOf = (poses: boolean, { step, collisions, orStart } = wordsOf(poses)):
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
   ['V', 'next color of the surface'],
+  ...(poses ? [] : [['F', 'before or after the repair'] as [string, string]]),
   poses ? ['C K B E X', 'what is inside, key points, boxes, edges, see through'] : ['C M T K B E X', 'what is inside now, what meets in the step, contact points, key points, boxes, edges, see through'],
   ['D', 'light or dark'],
   ['L', 'legend'],

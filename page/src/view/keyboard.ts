@@ -26,10 +26,11 @@ export interface Keyed extends Parts {
   layers: LayerPanel;
   options: ViewOptions;
   help: HTMLDialogElement;
+  beforeOrAfter: () => void;
 }
 
 /** What each key does; help.ts lists them. */
-export function keyActions({ clock, help, layers, layout, navigator, options, stage, timeline }: Keyed): KeyActions {
+export function keyActions({ beforeOrAfter, clock, help, layers, layout, navigator, options, stage, timeline }: Keyed): KeyActions {
   const { camera } = stage;
   const step = (by: number) => () => navigator.goTo(() => clock.move(by));
   const time = (by: number) => () => navigator.goTo(() => clock.seekPosition(clock.position + by / clock.substeps));
@@ -47,7 +48,7 @@ export function keyActions({ clock, help, layers, layout, navigator, options, st
     W: () => camera.orbit(0, 0.1), S: () => camera.orbit(0, -0.1), A: () => camera.orbit(-0.1, 0), D: () => camera.orbit(0.1, 0),
     '+': () => camera.zoom(0.85), '=': () => camera.zoom(0.85), '-': () => camera.zoom(1.18),
     z: () => options.turn(options.state.up === 'y' ? 'z' : 'y'),
-    v: () => layers.cyclePaint(),
+    v: () => layers.cyclePaint(), f: beforeOrAfter,
     c: () => layers.toggle('collisions'), m: () => layers.toggle('meets'), t: () => layers.toggle('contacts'), k: () => layers.toggle('keyPoints'),
     b: () => layers.toggle('boxes'), e: () => layers.toggle('edges'), x: () => layers.toggle('seeThrough'),
     d: toggleTheme, l: () => layout.legend.classList.toggle('closed'), '?': () => help.showModal(),

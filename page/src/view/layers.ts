@@ -4,7 +4,7 @@ import { isStatic } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Paint } from './surface';
 
-export type ShapeSource = 'motion' | 'prediction';
+export type ShapeSource = 'motion' | 'prediction' | 'repaired';
 
 export interface LayerState {
   paint: Paint;
@@ -44,7 +44,10 @@ const kPaints: [Paint, string, string][] = [
   ['level', 'Proof: level', 'proven free, by the level of the hierarchy that proved it; others by reason'],
   ['margin', 'Proof: margin', 'proven free, by the slack of the proof; others by reason'],
   ['error', 'Prediction error', 'distance between the surface and what key points predict'],
+  ['correction', 'Correction', 'how far the repair moved the surface'],
 ];
+
+const kNoRepair = 'Needs a repair: see under Contacts.';
 
 /** Why layers are unavailable; empty if they are available. */
 export function whyNot(scene: SceneInfo): { keyPoints: string; error: string } {
@@ -61,6 +64,7 @@ export class LayerPanel {
   readonly element = el('div', { className: 'panel layers' });
   readonly state: LayerState;
   private readonly paints = new Map<Paint, HTMLInputElement>();
+  private readonly shapes = new Map<ShapeSource, HTMLInputElement>();
   private readonly switches = new Map<Switch, HTMLInputElement>();
   private readonly level: HTMLInputElement;
   private readonly levelText = el('output');
@@ -94,7 +98,7 @@ export class LayerPanel {
     const why = whyNot(this.scene);
     const paints = el('fieldset', {}, el('legend', {}, 'Color of the surface'));
     for (const [paint, title, help] of kPaints) {
-      const reason = paint === 'error' ? why.error : '';
+      const reason = paint === 'error' ? why.error : paint === 'correction' ? kNoRepair : '';
       const input = el('input', { type: 'radio', name: 'paint', value: paint, checked: paint === 'plain', disabled: reason !== '' });
       input.addEventListener('change', () => this.setPaint(paint));
       this.paints.set(paint, input);
@@ -122,13 +126,12 @@ export class LayerPanel {
     const all: [ShapeSource, string, string][] = [
       ['motion', this.poses ? 'The frames' : 'The motion', ''],
       ['prediction', 'Its prediction from key points', reason],
+      ['repaired', 'The repaired motion', kNoRepair],
     ];
     for (const [source, title, why] of all) {
       const input = el('input', { type: 'radio', name: 'source', value: source, checked: source === 'motion', disabled: why !== '' });
-      input.addEventListener('change', () => {
-        this.state.source = source;
-        this.changed();
-      });
+      input.addEventListener('change', () => this.setSource(source));
+      this.shapes.set(source, input);
       box.append(this.line(input, title, why, why !== ''));
     }
     return box;
@@ -166,6 +169,26 @@ export class LayerPanel {
     input.checked = true;
     this.state.paint = paint;
     this.changed();
+  }
+
+  setSource(source: ShapeSource): void {
+    this.shapes.get(source)!.checked = true;
+    this.state.source = source;
+    this.changed();
+  }
+
+  /** There is a repaired motion, or there is none any more. */
+  offerRepaired(exists: boolean): void {
+    const inputs = [this.paints.get('correction')!, this.shapes.get('repaired')!];
+    for (const input of inputs) {
+      const line = input.closest('.line')!;
+      input.disabled = !exists;
+      line.classList.toggle('off', !exists);
+      setText(line.querySelector('small')!, exists ? (input === inputs[0] ? 'how far the repair moved the surface' : 'F shows it, or what was before') : kNoRepair);
+    }
+    if (exists) return;
+    if (this.state.paint === 'correction') this.setPaint('plain');
+    if (this.state.source === 'repaired') this.setSource('motion');
   }
 
   /** Switches to the next available surface color. */

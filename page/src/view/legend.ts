@@ -44,7 +44,8 @@ export interface LegendState {
   boxFrame: number | null;
   chosen: boolean;
   contact: string[] | null; // the sides of the chosen contact
-  error: { scale: number; largest: number; rms: number } | null;
+  error: { scale: number; largest: number; rms: number } | null; // or corrections, by the paint
+  repaired: boolean; // there is a repaired motion
 }
 
 const swatch = (color: Rgb, className = ''): HTMLElement => el('span', { className: `swatch ${className}`, style: { background: css(color) } });
@@ -85,6 +86,7 @@ export function legendItems(state: LegendState): HTMLElement[] {
   const { layers } = state;
     const items: HTMLElement[] = [];
   if (state.shapes) return [el('li', {}, 'A shape of the model: without motion there are no collisions or proofs of steps')];
+  if (layers.source === 'repaired') items.push(el('li', {}, 'The shape is the repaired motion: marks of what was before are left out'));
   if (layers.source === 'prediction') items.push(el('li', {}, 'The shape is the prediction from key points'));
   if (layers.paint === 'plain' && state.objects.length > 1) {
     state.objects.forEach((name, i) => items.push(item(swatch(kObjectColors[i % kObjectColors.length]!), name)));
@@ -99,8 +101,8 @@ export function legendItems(state: LegendState): HTMLElement[] {
   if (state.contact) items.push(...state.contact.map((name, k) => item(swatch(k === 0 ? kRed : kBlue), `${name}, inside; pale where it crosses`)), item(el('span', { className: 'swatch curve' }), 'Where the surfaces cross, in the worst frame'));
   if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex, first edge or triangle'), item(swatch(kBlue), 'Chosen pair: face, second edge or triangle'));
   if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));
-  if (layers.paint === 'error' && state.error) {
-    items.push(scale(errorColor, 'Prediction error, mesh units', ['0', `${short(state.error.scale)} or more`]));
+  if ((layers.paint === 'error' || layers.paint === 'correction') && state.error) {
+    items.push(scale(errorColor, `${layers.paint === 'error' ? 'Prediction error' : 'Correction'}, mesh units`, ['0', `${short(state.error.scale)} or more`]));
     items.push(el('li', {}, `largest ${short(state.error.largest)}, root mean square ${short(state.error.rms)}`));
   }
   if (layers.keyPoints) items.push(item(swatch(kSky, 'round'), 'Key points'));
@@ -108,6 +110,7 @@ export function legendItems(state: LegendState): HTMLElement[] {
   const marks = [mark('hit', 'how much is inside'), mark('meets', 'something meets'), mark('open', 'unchecked')];
   if (state.calm) marks.unshift(mark('calm', 'no new contact'));
   if (state.free) marks.unshift(mark('free', 'free'));
+  if (state.repaired) marks.push(mark('correction', 'how far repair moves'));
   items.push(el('li', { className: 'marks' }, 'Timeline:', ...marks));
   return items;
 }

@@ -91,7 +91,7 @@ export interface Poses {
   tag: string; // identifies the content
 }
 
-export type Paint = 'plain' | 'level' | 'margin' | 'error';
+export type Paint = 'plain' | 'level' | 'margin' | 'error' | 'correction'; // the last two are distances from a reference
 const kPaints: Paint[] = ['plain', 'level', 'margin', 'error'];
 
 export class Surface {
@@ -249,7 +249,7 @@ export class Surface {
   }
 
   paint(options: { paint: Paint; collisions: boolean; meets: boolean; edges: boolean; seeThrough: boolean; errorScale: number; edgeColor: Rgb }): void {
-    this.set('surface', kPaints.indexOf(options.paint));
+    this.set('surface', kPaints.indexOf(options.paint === 'correction' ? 'error' : options.paint));
     this.set('showInside', options.collisions);
     this.set('showMeets', options.meets);
     this.set('edges', options.edges);

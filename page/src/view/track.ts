@@ -34,6 +34,7 @@ export class Track {
   private readonly ends: [number, number]; // the farthest that there are
   private readonly margin: number; // what a pose takes before and after its position
   private chosen: number | null = null;
+  private corrections: number[] = [];
 
   constructor(
     private readonly scene: SceneInfo,
@@ -139,6 +140,12 @@ export class Track {
     this.paint();
   }
 
+  /** How far a repair moves each frame; empty without one. */
+  setCorrections(corrections: number[]): void {
+    this.corrections = corrections;
+    this.paint();
+  }
+
   /** Marks the lane of a contact. */
   choose(index: number | null): void {
     const lane = index === null ? null : this.contacts.groups.indexOf(this.contacts.groupOf(this.contacts.items[index]!));
@@ -175,6 +182,7 @@ export class Track {
     g.rect(0, 0, this.width, kStrip);
     g.clip();
     this.paintSteps(g, color);
+    this.paintCorrections(g, color);
     g.restore();
     this.paintLanes(color);
     this.showCursor();
@@ -265,6 +273,17 @@ export class Track {
       g.lineTo(right, kStrip - kMeets);
       g.fill();
     }
+  }
+
+  /** A line as high as a repair moves each frame. */
+  private paintCorrections(g: CanvasRenderingContext2D, color: Color): void {
+    const most = Math.max(...this.corrections);
+    if (!(most > 0)) return;
+    g.strokeStyle = color('--accent');
+    g.lineWidth = 2;
+    g.beginPath();
+    this.corrections.forEach((correction, k) => g.lineTo(this.toX(k), kStrip - 2 - (correction / most) * (kStrip - 5)));
+    g.stroke();
   }
 
   /** A lane for contacts of the same two parts: each from its first to its last time, as high as it is deep; without a depth, as its curve is long. */

@@ -15,7 +15,7 @@ declare module 'foldproof-engine' {
     _foldproof_body(): number;
     _foldproof_body_size(): number;
   }
-  export default function createFoldproof(options: { deflate: (bytes: Uint8Array) => Uint8Array }): Promise<Engine>;
+  export default function createFoldproof(options: { deflate: (bytes: Uint8Array) => Uint8Array; repairing: (share: number) => void }): Promise<Engine>;
 }
 
 declare module 'foldproof-sample?inline' {

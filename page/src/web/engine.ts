@@ -1,6 +1,6 @@
 // The worker that reads and checks a motion.
-import type { Source } from '../view/api';
-import { checkFailed, type Answer, type InputFile, type Request, type Settings } from './messages';
+import { repairProgress, type Source } from '../view/api';
+import { checkFailed, type Answer, type InputFile, type Repairing, type Request, type Settings } from './messages';
 import EngineWorker from './worker?worker&inline';
 
 type Unnumbered = Request extends infer R ? (R extends Request ? Omit<R, 'id'> : never) : never;
@@ -11,7 +11,8 @@ export class Engine {
   private asked = 0;
 
   constructor() {
-    this.worker.onmessage = ({ data }: MessageEvent<Answer>) => {
+    this.worker.onmessage = ({ data }: MessageEvent<Answer | Repairing>) => {
+      if ('share' in data) return repairProgress(data.share);
       this.waiting.get(data.id)?.resolve(data);
       this.waiting.delete(data.id);
     };

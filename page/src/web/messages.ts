@@ -28,5 +28,10 @@ export interface Answer {
   body: ArrayBuffer;
 }
 
+/** The share of a repair that is done; meanwhile nothing is answered. */
+export interface Repairing {
+  share: number;
+}
+
 /** The error of a check that cannot go on. */
 export const checkFailed = (message: string): Error => new Error(`the check: failed: ${message}; please report this`);

@@ -2,13 +2,13 @@
 import createFoldproof, { type Engine } from 'foldproof-engine';
 import { unzipSync, zlibSync } from 'fflate';
 import { argumentsOf } from './arguments';
-import { checkFailed, type Answer, type InputFile, type Request, type Settings } from './messages';
+import { checkFailed, type Answer, type InputFile, type Repairing, type Request, type Settings } from './messages';
 
 const kIdleMs = 100;
 const kFolder = '/motion';
 const kReport = '/report.html'; // there from the end of the check on
 
-const engine = createFoldproof({ deflate: zlibSync });
+const engine = createFoldproof({ deflate: zlibSync, repairing: (share) => self.postMessage({ share } satisfies Repairing) });
 const turns = new MessageChannel(); // lets requests in between two steps
 let failed: Error | null = null; // what broke off the check; from then on the engine answers nothing else
 

@@ -1,4 +1,4 @@
-#include "repair_outputs.h"
+#include "report/repair_files.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "base/try.h"
 #include "io/gltf_repair.h"
 #include "io/write_times.h"
-#include "options.h"
 #include "report/repair_report.h"
 
 namespace foldproof {

@@ -1,0 +1,142 @@
+#include "page/repair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/try.h"
+#include "io/bytes.h"
+#include "io/gltf_repair.h"
+#include "io/new_directory.h"
+#include "page/page_json.h"
+#include "report/repair_files.h"
+#include "report/repair_report.h"
+
+namespace foldproof {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error nothing_repaired() { return {"repair", "has no result", "start it first", ErrorCode::InvalidArgument}; }
+
+}  // namespace
+
+void RepairService::start(std::vector<Index> fixed) {
+  const std::lock_guard lock(mutex_);
+  cancelled_ = state_ == State::Running;  // a later one begins where it ends
+  state_ = State::Queued;
+  progress_ = 0;
+  fixed_ = std::move(fixed);
+  error_.clear();
+  done_.reset();
+}
+
+void RepairService::cancel() {
+  const std::lock_guard lock(mutex_);
+  cancelled_ = state_ == State::Running;
+  if (state_ == State::Queued || state_ == State::Running) state_ = State::Idle;
+}
+
+Json RepairService::status() const {
+  constexpr std::array<const char*, 5> kStates{"idle", "queued", "running", "done", "failed"};
+  const std::lock_guard lock(mutex_);
+  Json json = {
+      {"state", kStates[static_cast<std::size_t>(state_)]}, {"progress", progress_}, {"error", error_}};
+  if (!done_) return json;
+  const RepairReport& report = done_->motions.report;
+  json.update(repair_json(scene_.motions(), done_->request, report));
+  Json& files = json["files"] = Json::array();
+  if (!report.written || report.unchanged) return json;
+  for (const Index object : done_->motions.movable)
+    files.push_back({{"object", object}, {"name", file_name(object)}});
+  return json;
+}
+
+bool RepairService::compute_queued(const std::atomic<bool>& stop) {
+  std::unique_lock lock(mutex_);
+  if (state_ != State::Queued) return false;
+  state_ = State::Running;
+  cancelled_ = false;
+  const auto fixed = fixed_;
+  lock.unlock();
+  Result<Repaired> done = tl::unexpected(nothing_repaired());
+  try {
+    done = compute(fixed, stop);
+  } catch (const std::exception& error) {
+    done = tl::unexpected(Error{"repair", line_of(error), "", ErrorCode::LimitExceeded});
+  }
+  lock.lock();
+  if (state_ != State::Running) return true;  // it was cancelled, or is to begin again
+  state_ = done ? State::Done : State::Failed;
+  if (done) {
+    done_ = std::make_shared<const Repaired>(std::move(*done));
+  } else {
+    error_ = done.error().line();
+  }
+  return true;
+}
+
+Result<RepairService::Repaired> RepairService::compute(std::vector<Index> fixed,
+                                                       const std::atomic<bool>& stop) {
+  if (scene_.settings().poses)
+    return fail(ErrorCode::InvalidArgument, "--static", "checks frames one by one, and repair mends a motion",
+                "start without it");
+  RepairRequest request{scene_.settings(), {}, {}, {}};
+  request.check.step.explain = false;
+  for (const Index object : fixed) request.fixed.push_back(scene_.motions()[object]->name());
+  request.repair.interrupted = [&] { return stop || cancelled_; };
+  request.repair.progress = [this](double share) {
+    if (tell_) tell_(share);
+    const std::lock_guard lock(mutex_);
+    progress_ = share;
+  };
+  if (FOLDPROOF_TRY(movable_objects(scene_.motions(), request)).empty())
+    return fail(ErrorCode::InvalidArgument, "repair", "has nothing that may move", "let an object move");
+  auto motions = FOLDPROOF_TRY(repair_motions(scene_.motions(), request));
+  request.repair.interrupted = nullptr;
+  request.repair.progress = nullptr;
+  return Repaired{std::move(request), std::move(motions)};
+}
+
+Result<std::shared_ptr<const RepairService::Repaired>> RepairService::repaired(Index object) const {
+  const std::lock_guard lock(mutex_);
+  if (done_ && done_->motions.report.written && object < scene_.objects().size()) return done_;
+  return tl::unexpected(nothing_repaired());
+}
+
+Result<std::vector<double>> RepairService::frame(Index object, Index k) const {
+  const auto done = FOLDPROOF_TRY(repaired(object));
+  const auto motion = done->motions.motion(object);
+  if (k >= motion->frame_count()) return tl::unexpected(nothing_repaired());
+  std::vector<double> x(3 * std::size_t{motion->topology().vertex_count()});
+  FOLDPROOF_TRY(motion->read_frame(k, x));
+  return x;
+}
+
+std::string RepairService::file_name(Index object) const {
+  const std::string& source = scene_.motions()[object]->name();
+  const std::string stem = fs::path(source).stem().string() + "-repaired";
+  const bool still = scene_.motions()[object]->frame_count() == 1 && scene_.frames().size() > 1;
+  const bool glb = !still && io::require_gltf_can_be_repaired(stem + ".glb", source).has_value();
+  return stem + (glb ? ".glb" : ".npz");
+}
+
+Result<std::string> RepairService::file(Index object) const {
+  const auto done = FOLDPROOF_TRY(repaired(object));
+  const auto directory =
+      FOLDPROOF_TRY(io::NewDirectory::open(fs::temp_directory_path() / "foldproof-repair"));
+  RepairOutputs outputs{{}, scene_.read(), 0};
+  const std::string mine = file_name(object);
+  std::string path;
+  for (const Index each : done->motions.movable) {
+    outputs.paths.push_back((directory.path() / fmt::format("{}-{}", each, file_name(each))).string());
+    if (each == object) path = outputs.paths.back();
+  }
+  if (path.empty()) return tl::unexpected(nothing_repaired());
+  FOLDPROOF_TRY(write_outputs(outputs, scene_.motions(), done->request, done->motions));
+  const auto bytes = FOLDPROOF_TRY(io::read_file(path));
+  return std::string(bytes.begin(), bytes.end());
+}
+
+}  // namespace foldproof

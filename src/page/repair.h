@@ -1,0 +1,53 @@
+/// A repair of the scene, on request.
+#pragma once
+
+#include <mutex>
+
+#include "page/scene_data.h"
+#include "report/repair_motions.h"
+
+namespace foldproof {
+
+class RepairService {
+ public:
+  /// `progress`: called with the share that is done, besides; or empty.
+  RepairService(const SceneData& scene, std::function<void(double)> progress)
+      : scene_(scene), tell_(std::move(progress)) {}
+
+  /// Queues a repair, in place of an earlier one, in which objects of these numbers may not move.
+  void start(std::vector<Index> fixed);
+  /// Ends the repair that is queued or being computed.
+  void cancel();
+  /// What is known of it.
+  Json status() const;
+  /// Computes a queued repair; false if there is none.
+  bool compute_queued(const std::atomic<bool>& stop);
+
+  /// Positions of an object in the k-th frame of the scene. Error: nothing is repaired.
+  Result<std::vector<double>> frame(Index object, Index k) const;
+  /// A file of an object that was repaired: GLB of what was glTF, else NPZ. Error: it was not, or cannot be
+  /// written.
+  Result<std::string> file(Index object) const;
+
+ private:
+  enum class State : std::uint8_t { Idle, Queued, Running, Done, Failed };
+  struct Repaired {
+    RepairRequest request;
+    RepairedMotions motions;
+  };
+  Result<Repaired> compute(std::vector<Index> fixed, const std::atomic<bool>& stop);
+  Result<std::shared_ptr<const Repaired>> repaired(Index object) const;
+  std::string file_name(Index object) const;
+
+  const SceneData& scene_;
+  const std::function<void(double)> tell_;
+  std::atomic<bool> cancelled_ = false;
+  mutable std::mutex mutex_;  // guards the following
+  State state_ = State::Idle;
+  double progress_ = 0;
+  std::vector<Index> fixed_;
+  std::string error_;
+  std::shared_ptr<const Repaired> done_;
+};
+
+}  // namespace foldproof
