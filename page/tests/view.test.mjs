@@ -371,6 +371,48 @@ test('saves a picture', () =>
     assert.deepEqual([...readFileSync(await download.path()).subarray(1, 4)], [...Buffer.from('PNG')]);
   }));
 
+test('repairs, shows before and after, and saves what the program calls free', async () => {
+  run('demo', '--quiet', join(folder, 'demo'));
+  const walk = await view(join(folder, 'demo', 'walk.glb'));
+  await visit(walk, async (page) => {
+    await until(page, (s) => s.contacts > 0, 'contacts');
+    assert.equal(await page.locator('[name=source][value=repaired]').isDisabled(), true);
+    await page.click('.repair >> text=Repair…');
+    await until(page, (s) => s.repaired && s.shape === 'repaired', 'the repaired motion', 30_000);
+    assert.match(await textOf(page, '.stage .verdict'), /^Repaired\. Proven: nothing touches/);
+    const after = await still(page);
+    await page.keyboard.press('f');
+    await until(page, (s) => s.shape === 'motion', 'what was before');
+    assert.ok(differs(after, await still(page)));
+    await page.click('.repair >> text=After');
+    assert.equal((await state(page)).shape, 'repaired');
+    await page.click('[role=tab] >> text=Layers');
+    await page.click('[name=paint][value=correction]');
+    await looks(page, (image) => differs(image, after), 'no corrections are seen');
+    assert.match(await textOf(page, '.legend'), /Correction, mesh units/);
+    await page.click('[role=tab] >> text=Contacts');
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('text=Save walk-repaired.glb')]);
+    const path = join(folder, 'walk-repaired.glb');
+    await download.saveAs(path);
+    assert.equal(JSON.parse(run('check', path, '--json', '-')).clean, true);
+  });
+  await walk.end();
+});
+
+test('repairs one object beside another that may not move', async () => {
+  const clothed = await view(join(folder, 'demo', 'body.npz'), join(folder, 'demo', 'shirt.npz'));
+  await visit(clothed, async (page) => {
+    await until(page, (s) => s.contacts > 0, 'contacts');
+    await page.click('.repair >> text=Repair…');
+    await page.click('.repair label >> text=body');
+    await page.click('.repair .form button >> text=Repair');
+    await until(page, (s) => s.repaired, 'the repaired motion', 30_000);
+    assert.match(await textOf(page, '.stage .verdict'), /but what may not move, with itself/);
+    assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save shirt-repaired.npz']);
+  });
+  await clothed.end();
+});
+
 test('cuts, turns upright, looks from six sides', () =>
   visit(without, async (page) => {
     await page.keyboard.press('r');

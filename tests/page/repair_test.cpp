@@ -1,0 +1,98 @@
+// Repairs on request.
+#include "page/served.h"
+
+namespace foldproof::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<std::unique_ptr<Motion>> list(std::unique_ptr<Motion> motion) {
+  std::vector<std::unique_ptr<Motion>> motions;
+  motions.push_back(std::move(motion));
+  return motions;
+}
+
+/// Two balls of which the second sinks into the first and comes out again.
+std::vector<std::unique_ptr<Motion>> balls() {
+  std::vector<std::unique_ptr<Motion>> motions;
+  for (const char* name : {"still", "moving"}) {
+    std::vector<std::vector<double>> frames;
+    for (const double apart : {2.3, 1.95, 1.9, 1.95, 2.3})
+      frames.push_back(sphere_at(name == std::string("still") ? 0 : apart));
+    std::vector<Triangle> triangles;
+    for (Index ring = 0; ring < 12; ++ring) {
+      for (Index i = 0; i < 16; ++i) {
+        const Index a = 16 * ring + i, b = 16 * ring + (i + 1) % 16;
+        triangles.push_back({a, b, b + 16});
+        triangles.push_back({a, b + 16, a + 16});
+      }
+    }
+    auto topology = Topology::make(static_cast<Index>(frames[0].size() / 3), std::move(triangles));
+    motions.push_back(memory_motion(name, std::move(*topology), std::move(frames)));
+  }
+  return motions;
+}
+
+Json ended(Served& served) {
+  for (int k = 0; k < 3000; ++k) {
+    Json answer = served.json("/api/repair");
+    if (answer["state"] != "queued" && answer["state"] != "running") return answer;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ADD_FAILURE() << "the repair does not end";
+  return {};
+}
+
+TEST(PageRepair, MovesWhatMayMoveAndGivesItsFramesAndFiles) {
+  Served served(page_of(balls()));
+  EXPECT_EQ(served.json("/api/repair")["state"], "idle");
+  served.json("/api/objects/1/repaired/2", 404);
+  served.json("/api/objects/1/repaired/file", 404);
+  served.json("/api/repair/start?fixed=0");
+  const Json done = ended(served);
+  ASSERT_EQ(done["state"], "done") << done;
+  EXPECT_EQ(done["verdict"]["kind"], "free");
+  EXPECT_EQ(done["frames"].size(), 5);
+  EXPECT_GT(done["frames"][2]["correction"], 0.05);
+  EXPECT_EQ(done["files"], Json::parse(R"([{"object": 1, "name": "moving-repaired.npz"}])"));
+  EXPECT_EQ(served.numbers<float>("/api/objects/0/repaired/2"),
+            served.numbers<float>("/api/objects/0/frames/2"));
+  EXPECT_NE(served.numbers<float>("/api/objects/1/repaired/2"),
+            served.numbers<float>("/api/objects/1/frames/2"));
+  EXPECT_EQ(served.get("/api/objects/1/repaired/file").body.substr(0, 2), "PK");
+  served.json("/api/objects/0/repaired/file", 404);  // it may not move
+  served.json("/api/objects/2/repaired/0", 404);
+  // Both may move: each by about half.
+  served.json("/api/repair/start");
+  const Json both = ended(served);
+  EXPECT_EQ(both["files"].size(), 2);
+  EXPECT_LT(both["frames"][2]["correction"], done["frames"][2]["correction"]);
+}
+
+TEST(PageRepair, SaysWhatCannotBe) {
+  Served served(page_of(balls()));
+  EXPECT_THAT(served.json("/api/repair/start?fixed=a", 400)["error"].get<std::string>(),
+              HasSubstr("'fixed'"));
+  served.json("/api/repair/start?fixed=2", 404);
+  served.json("/api/repair/start?fixed=0,1");
+  EXPECT_THAT(ended(served)["error"].get<std::string>(), HasSubstr("nothing that may move"));
+  CheckSettings poses;
+  poses.poses = true;
+  Served still(page_of(balls(), poses));
+  still.json("/api/repair/start");
+  EXPECT_THAT(ended(still)["error"].get<std::string>(), HasSubstr("--static"));
+}
+
+TEST(PageRepair, EndsWhenItIsCancelled) {
+  Served served(page_of(list(colliding_tube(40))));
+  served.json("/api/repair/start");
+  EXPECT_EQ(served.json("/api/repair/cancel")["state"], "idle");
+  EXPECT_EQ(ended(served)["state"], "idle");
+  // And begins again.
+  served.json("/api/repair/start");
+  served.json("/api/repair/start");
+  EXPECT_EQ(ended(served)["state"], "done");
+}
+
+}  // namespace
+}  // namespace foldproof::testing
