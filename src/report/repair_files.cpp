@@ -105,8 +105,11 @@ Result<void> read_again(std::span<const GltfFile> files, const RepairOutputs& ou
     shown.push_back(std::make_unique<ShownFrames>(std::move(motion), begin, count, *motions[i]));
   }
   // Where something touches, it was listed; that nothing else does is known before rounding only.
-  if (!done.report.free || !done.report.among_fixed.empty()) return {};
+  if (!done.report.free || (!done.report.among_fixed.empty() && !request.only.empty())) return {};
   CheckSettings settings = request.check;
+  for (const std::string& a : request.fixed) {
+    for (const std::string& b : request.fixed) settings.ignore.push_back({a, b});
+  }
   settings.frames = {};
   settings.models.clear();
   const CheckTotals totals = FOLDPROOF_TRY(run_check(shown, settings, {}));

@@ -442,6 +442,7 @@ export class App {
     const marked = !shaping && !this.mended;
     content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && marked, clock);
     content.lines.group.visible = this.navigator.chosen !== null && marked;
+    if (!shaping) content.contact.mark(!this.mended);
     content.contact.show(this.navigator.contact !== null && marked, clock.position, this.navigator.contact === null ? 0 : this.navigator.worstPosition(this.navigator.contact));
     content.showKeysAndBoxes(state, clock, shaping);
   }
@@ -489,7 +490,7 @@ export class App {
     const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error, this.repair.version]);
     if (key === this.legendKey) return;
     this.legendKey = key;
-    const contact = this.navigator.contact === null ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
+    const contact = this.navigator.contact === null || this.mended ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
       ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error, repaired: this.repair.repaired }),
     );

@@ -13,6 +13,7 @@ const kCurveFrames = 0.26; // The curve is that of the worst frame, and shown on
 export class ContactView {
   readonly group = new THREE.Group();
   private contact: Contact | null = null;
+  private marked = true; // its sides are, as soon as there is one
 
   constructor(
     private readonly stage: Stage,
@@ -30,7 +31,7 @@ export class ContactView {
   set(contact: Contact | null): void {
     this.contact = contact;
     this.group.visible = false; // until it is shown where it is
-    this.surfaces.forEach((surface, i) => surface.setContact(contact && this.marksOf(contact, i)));
+    this.setMarks(this.marked);
     for (const line of this.group.children as LineSegments2[]) {
       line.geometry.dispose();
       line.material.dispose();
@@ -38,6 +39,16 @@ export class ContactView {
     this.group.clear();
     if (contact) this.addCurves(contact);
     this.stage.focus = null;
+  }
+
+  /** Colors the two sides, or leaves them as they are. */
+  mark(visible: boolean): void {
+    if (visible !== this.marked) this.setMarks(visible);
+  }
+
+  private setMarks(visible: boolean): void {
+    this.marked = visible;
+    this.surfaces.forEach((surface, i) => surface.setContact(visible && this.contact ? this.marksOf(this.contact, i) : null));
   }
 
   /** Per triangle: 1 and 2 the first side, crossing and inside; 3 and 4 the second. */
