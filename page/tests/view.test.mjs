@@ -377,7 +377,7 @@ test('repairs, shows before and after, and saves what the program calls free', a
   await visit(walk, async (page) => {
     await until(page, (s) => s.contacts > 0, 'contacts');
     assert.equal(await page.locator('[name=source][value=repaired]').isDisabled(), true);
-    await page.click('.repair >> text=Repair…');
+    await page.click('.repair button >> text=Repair');
     await until(page, (s) => s.repaired && s.shape === 'repaired', 'the repaired motion', 30_000);
     assert.match(await textOf(page, '.stage .verdict'), /^Repaired\. Proven: nothing touches/);
     const after = await still(page);

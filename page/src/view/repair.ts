@@ -33,7 +33,7 @@ export class RepairPanel {
   readonly element = el('section', { className: 'repair', hidden: true, 'aria-label': 'Repair' });
   /** Each repair has another. */
   version = 0;
-  private readonly open = el('button', { className: 'small', type: 'button' }, 'Repair…');
+  private readonly open = el('button', { className: 'small', type: 'button' });
   private readonly form = el('div', { className: 'form', hidden: true });
   private readonly movable: HTMLInputElement[];
   private readonly bar = el('progress', { max: 1 });
@@ -50,10 +50,11 @@ export class RepairPanel {
   ) {
     this.movable = scene.objects.map(() => el('input', { type: 'checkbox', checked: true }));
     const button = (text: string, action: () => void, properties = {}) => el('button', { className: 'small', type: 'button', onclick: action, ...properties }, text);
+    this.name('Repair');
     this.open.addEventListener('click', () => this.begin());
     this.form.append(
       el('p', { className: 'note' }, 'Ticked objects may move; the others stay as they are.'),
-      ...scene.objects.map(({ name }, i) => el('label', { className: 'line' }, this.movable[i]!, el('span', {}, name))),
+      ...scene.objects.map(({ name }, i) => el('label', { className: 'line' }, this.movable[i]!, el('span', { title: name }, name.replace(/^.*[\\/]/, '')))),
       el('div', { className: 'row' }, button('Repair', () => void this.start()), button('Cancel', () => this.showForm(false))),
     );
     this.running.append(this.bar, button('Cancel', () => void this.ask('repair/cancel'), { hidden: !scene.cancels }));
@@ -86,6 +87,11 @@ export class RepairPanel {
   showSide(after: boolean): void {
     this.sides.before.setAttribute('aria-pressed', String(!after));
     this.sides.after.setAttribute('aria-pressed', String(after));
+  }
+
+  /** With several objects a form comes first. */
+  private name(text: string): void {
+    setText(this.open, this.scene.objects.length > 1 ? `${text}…` : text);
   }
 
   private showForm(shown: boolean): void {
@@ -125,7 +131,7 @@ export class RepairPanel {
     this.running.hidden = !this.busy;
     this.form.hidden = true;
     this.open.hidden = this.busy;
-    setText(this.open, state === 'done' || state === 'failed' ? 'Repair again…' : 'Repair…');
+    this.name(state === 'done' || state === 'failed' ? 'Repair again' : 'Repair');
     if (answer.progress > 0) this.bar.value = answer.progress;
     else this.bar.removeAttribute('value');
     this.result.hidden = state !== 'done' && state !== 'failed';
