@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "base/try.h"
 #include "commands.h"
@@ -34,6 +35,7 @@ Exit code: 0 no collision and no crossing in a first frame, 1 these, or files th
 Examples:
   foldproof sweep library -o results.jsonl                        check everything below library/
   foldproof sweep library -o results.jsonl --summary page.html    and write a table of all motions
+  foldproof sweep library -o results.jsonl --repair repaired      and repair what collides
   foldproof sweep library -o results.jsonl --again                check everything again
   foldproof sweep library cloth -o all.jsonl --model body.model   two folders; the model for motions of its mesh
   foldproof sweep library --shard 1/2 -o shard-1.jsonl            one of two parts
@@ -41,7 +43,7 @@ Examples:
   foldproof sweep --join shard-*.jsonl -o results.jsonl           both together)";
 
 struct SweepArguments : StepArguments {
-  std::string output, summary, command;
+  std::string output, summary, repaired, command;
   std::vector<std::string> shard;  // one; none if it is not given, unlike ""
   std::vector<std::string> join;
   bool again = false, quiet = false;
@@ -73,6 +75,11 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
               FileArguments::Output::File, {".html", ".htm"})
       .type_name("PAGE")
       .group(group);
+  sweep
+      .add_option("--repair", a.repaired,
+                  "A directory for motions that collide, repaired, under their paths: GLB of glTF, else NPZ")
+      .type_name("DIR")
+      .group(group);
   sweep.add_flag("--again", a.again, "Check everything, even motions that have a line").group(group);
   sweep.add_flag("-q,--quiet", a.quiet, "Print nothing but errors").group(group);
 
@@ -89,9 +96,28 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
 
 Result<SweepSettings> load_settings(const SweepArguments& a) {
   const auto check = FOLDPROOF_TRY(step_settings(a));
-  SweepSettings settings{check, a.motion.read, {}};
+  if (!a.repaired.empty() && (a.poses || a.steps_only))
+    return fail(ErrorCode::InvalidArgument, "--repair", "mends motions, all of them",
+                fmt::format("leave out {}", a.poses ? "--static" : "--steps-only"));
+  SweepSettings settings{check, a.motion.read, {}, a.repaired};
   settings.models = FOLDPROOF_TRY(load_models(a.models, {}));
   return settings;
+}
+
+/// So that no sweep finds what another has repaired.
+Result<void> require_outside(const std::string& repaired, const std::vector<std::string>& directories) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path target = fs::weakly_canonical(fs::absolute(repaired, ignored), ignored);
+  for (const std::string& directory : directories) {
+    const fs::path swept = fs::weakly_canonical(fs::absolute(directory, ignored), ignored);
+    const fs::path below = target.lexically_relative(swept);
+    if (repaired.empty() || below.empty() || *below.begin() == "..") continue;
+    return fail(ErrorCode::InvalidArgument, "--repair " + repaired,
+                fmt::format("is in {}, where motions are looked for", directory),
+                "name a directory elsewhere");
+  }
+  return {};
 }
 
 /// A progress bar over the remaining motions, weighted by size.
@@ -143,6 +169,7 @@ std::string list_of(const std::vector<SweepRecord>& records, SweepState state, c
       text += "  " + r.error + '\n';
     } else {
       text += fmt::format("  {}: {}\n", printable(r.path), printable(r.verdict));
+      if (!r.repair.empty()) text += fmt::format("    repair: {}\n", printable(r.repair));
     }
   }
   if (count > kMaxShown) text += fmt::format("  and {} more, in {}\n", count - kMaxShown, file);
@@ -271,6 +298,7 @@ Result<int> sweep_all(const SweepArguments& a) {
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   const auto settings = FOLDPROOF_TRY(load_settings(a));
+  FOLDPROOF_TRY(require_outside(a.repaired, a.motions));
   auto input = FOLDPROOF_TRY(find_some(a));
   const SweepScope scope = scope_of(a, input, settings.check);
   const std::string hash = settings_hash(settings);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <new>
 
 #include "base/c_locale.h"
@@ -12,6 +13,8 @@
 #include "report/contact_pictures.h"
 #include "report/ignored.h"
 #include "report/json_values.h"
+#include "report/repair_files.h"
+#include "report/repair_report.h"
 #include "sweep/sweep.h"
 
 namespace foldproof {
@@ -62,6 +65,44 @@ void add_thumbnail(Json& line, Motions motions, const CheckSettings& settings, c
   if (png) line["thumbnail"] = data_url(*png);
 }
 
+/// Where a motion is written when it is repaired: in the directory, below its own path, whose ".." are left
+/// out.
+std::filesystem::path repaired_path(const std::string& directory, const SweepMotion& motion, bool is_gltf) {
+  std::filesystem::path path = directory;
+  for (const auto& part : std::filesystem::path(motion.path).relative_path()) {
+    if (part != ".." && part != ".") path /= part;
+  }
+  const std::string ending = is_gltf ? ".glb" : ".npz";
+  if (extension_of(path.string()) != ending) path += ending;
+  return path;
+}
+
+/// Repairs a motion and writes it. Error: it cannot be, or it was interrupted.
+Result<void> repair_into(Json& line, const SweepMotion& found, Motions motions, const SweepSettings& settings,
+                         const CheckSettings& check, const CheckHooks& hooks) {
+  RepairRequest request{check, {}, {}, {}};
+  request.check.step.max_listed = settings.check.step.max_listed;
+  if (hooks.cancel != nullptr) request.repair.interrupted = [&] { return hooks.cancel->load(); };
+  const bool is_gltf = extension_of(found.files[0]).starts_with(".gl");
+  const auto path = repaired_path(settings.repaired, found, is_gltf);
+  const RepairOutputs outputs{{path.string()}, settings.read, 0};
+  FOLDPROOF_TRY(require_outputs_fit(outputs, motions, std::array{Index{0}}, motions[0]->frame_count()));
+  const auto done = FOLDPROOF_TRY(repair_motions(motions, request));
+  const RepairReport& report = done.report;
+  const bool writes = report.written && !report.unchanged;
+  if (writes) {
+    std::error_code code;
+    std::filesystem::create_directories(path.parent_path(), code);
+    FOLDPROOF_TRY(write_outputs(outputs, motions, request, done));
+  }
+  const auto worst = std::ranges::max_element(report.frames, {}, &RepairedFrame::correction);
+  line["repair"] = {{"file", writes ? Json(path.string()) : Json(nullptr)},
+                    {"free", report.free},
+                    {"verdict", repair_verdict(motions, request, report).sentence.text()},
+                    {"correction", worst->correction}};
+  return {};
+}
+
 /// Checks a motion and adds the results to `line`. False if the check was cancelled.
 Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSettings& settings,
                         const CheckHooks& hooks) {
@@ -90,6 +131,11 @@ Result<bool> check_into(Json& line, const SweepMotion& found, const SweepSetting
   line["totals"] = totals_json(totals, check.poses, false);
   for (const auto& notice : totals.notices) line["notes"].push_back(notice.text);
   if (!totals.cancelled) add_thumbnail(line, std::span(&motion, 1), check, totals);
+  if (!totals.cancelled && !totals.clean() && !settings.repaired.empty()) {
+    const auto done = repair_into(line, found, std::span(&motion, 1), settings, check, hooks);
+    if (!done && done.error().code == ErrorCode::Interrupted) return false;
+    if (!done) line["repair"] = {{"file", nullptr}, {"free", false}, {"verdict", done.error().line()}};
+  }
   return !totals.cancelled;
 }
 
@@ -163,6 +209,7 @@ std::string settings_hash(const SweepSettings& settings) {
               {"points", settings.read.points},
               {"fps", settings.read.fps}};
   if (!settings.read.clip.empty()) all["clip"] = settings.read.clip;
+  if (!settings.repaired.empty()) all["repair"] = settings.repaired;
   Hash hash;
   hash.add(dump(all));
   if (!check.ignore.empty()) hash.add(dump(Json(check.ignore)));
@@ -217,6 +264,7 @@ Result<SweepRecord> read_sweep_line(const std::string& line) {
       if (!json.at("model").is_null()) json.at("model").get_to(record.model);
     }
     if (json.contains("verdict")) json.at("verdict").get_to(record.verdict);
+    if (json.contains("repair")) record.repair = json.at("repair").at("verdict").get<std::string>();
     if (json.contains("thumbnail")) json.at("thumbnail").get_to(record.thumbnail);
     if (json.contains("totals")) read_totals(json.at("totals"), record);
     return record;

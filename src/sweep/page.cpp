@@ -112,6 +112,7 @@ void add_row(TextFile& file, const SweepRecord& r) {
   if (!r.thumbnail.empty()) file.add("<img src=\"{}\" alt=\"\">", html(r.thumbnail));
   file.add("{}", html(r.path));
   if (!r.verdict.empty() && r.state == SweepState::Collides) file.add("<p>{}</p>", html(r.verdict));
+  if (!r.repair.empty()) file.add("<p>Repair: {}</p>", html(r.repair));
   for (const std::string& note : r.notes)
     file.add("<details><summary>note</summary>{}</details>", html(note));
   if (!r.error.empty()) file.add("<details><summary>why</summary>{}</details>", html(r.error));

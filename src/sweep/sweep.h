@@ -54,6 +54,8 @@ struct SweepSettings {
   CheckSettings check;  ///< Without models.
   ReadOptions read;
   std::vector<std::shared_ptr<const Model>> models;  ///< The first one of a motion's mesh is used.
+  /// Where motions that collide are written without collisions, under their paths; empty: nowhere.
+  std::string repaired = {};
 };
 
 /// A hash of the settings that may change answers: 16 hexadecimal digits. It covers the library's version
@@ -75,6 +77,7 @@ const char* name_of(SweepState state);
 struct SweepRecord {
   std::string path, settings, status, error, model;  ///< Error and model: empty if there is none.
   std::string verdict;                               ///< In a sentence; empty in lines of older versions.
+  std::string repair;                                ///< What its repair did, in a sentence; empty: nothing.
   SweepState state = SweepState::Failed;
   std::uint64_t bytes = 0;
   std::int64_t modified = 0;

@@ -61,6 +61,42 @@ struct Library : Workplace {
 const auto kAll = ElementsAre("lib/broken.glb failed", "lib/sink collides", "lib/sub/fall.npz clean",
                               "lib/sub/n.pc2 collides");
 
+TEST(SweepRepair, WritesWhatCollidesWithoutCollisionsAndSaysSo) {
+  const Workplace place;
+  const auto run = [&](std::vector<std::string> arguments) {
+    return run_program(std::move(arguments), {.directory = place.path()});
+  };
+  EXPECT_EQ(run({"demo", "-q", "demo"}).code, 0);
+  const std::vector<std::string> command{"sweep",    "demo/library", "-o",        "r.jsonl",
+                                         "--repair", "fixed",        "--summary", "page.html"};
+  const Outcome done = run(command);
+  EXPECT_EQ(done.code, 1) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("    repair: Proven: nothing touches"));
+  EXPECT_THAT(read_file(place / "page.html"), HasSubstr("<p>Repair: Proven: nothing touches"));
+  std::size_t repaired = 0;
+  std::ifstream results(place / "r.jsonl");
+  for (std::string line; std::getline(results, line);) {
+    const auto json = nlohmann::json::parse(line);
+    EXPECT_EQ(json.contains("repair"), json["state"] == "collides") << line;
+    if (!json.contains("repair") || !json["repair"]["free"]) continue;
+    ++repaired;
+    EXPECT_GT(json["repair"]["correction"], 0);
+    EXPECT_EQ(run({"check", json["repair"]["file"], "-q"}).code, 0) << line;
+  }
+  EXPECT_GT(repaired, 0);
+  // What is done is not done again; without --repair it is checked again.
+  EXPECT_EQ(run(command).code, 1);
+  EXPECT_THAT(run({"sweep", "demo/library", "-o", "r.jsonl"}).out, Not(HasSubstr("repair")));
+}
+
+TEST(SweepRepair, RefusesWhatItCouldNotDo) {
+  const Library library;
+  EXPECT_THAT(library.sweep({"--repair", "lib/fixed"}).err,
+              HasSubstr("is in lib, where motions are looked for"));
+  EXPECT_THAT(library.sweep({"--repair", "fixed", "--static"}).err, HasSubstr("leave out --static"));
+  EXPECT_THAT(library.sweep({"--repair", "fixed", "--steps-only"}).err, HasSubstr("leave out --steps-only"));
+}
+
 TEST(Sweep, ChecksALibraryAndContinues) {
   const Library library;
   const Outcome first = library.sweep({"--summary", "page.html"});
