@@ -4,6 +4,7 @@
 #include <array>
 
 #include "picture/picture.h"
+#include "zlib.h"
 
 namespace foldproof {
 namespace {
@@ -32,14 +33,9 @@ std::string big_endian(std::uint32_t value) {
   return bytes;
 }
 
-/// As the PNG specification defines it (section 5.5).
-std::uint32_t crc(std::string_view bytes) {
-  std::uint32_t sum = 0xffffffff;
-  for (const char byte : bytes) {
-    sum ^= static_cast<unsigned char>(byte);
-    for (int bit = 0; bit < 8; ++bit) sum = (sum >> 1) ^ ((sum & 1) != 0 ? 0xedb88320 : 0);
-  }
-  return ~sum;
+std::uint32_t crc(const std::string& bytes) {
+  return static_cast<std::uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
 }
 
 std::string chunk(const std::string& type, const std::string& data) {
