@@ -1,6 +1,6 @@
 // The page without a program (./dev web): its answers are those of the program, bit for bit, and it needs no network.
 import assert from 'node:assert/strict';
-import { createReadStream, existsSync, readFileSync } from 'node:fs';
+import { createReadStream, existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -113,6 +113,30 @@ async function visit(body, size = laptop) {
 }
 
 const checked = (page) => until(page, (s) => s.state === 'done' && s.firstPicture > 0, 'the end of the check', 60_000);
+
+test('repairs: what it saves, GLB or NPZ, the program calls free', async () => {
+  for (const name of ['walk.glb', 'body.npz']) {
+    const engine = await engineOf([demo(name)]);
+    await engine('repair/start');
+    const { state, error, verdict, files } = JSON.parse(await engine('repair'));
+    assert.deepEqual([state, error, verdict?.kind], ['done', '', 'free']);
+    assert.equal(files[0].name, name.replace('.', '-repaired.'));
+    writeFileSync(demo(files[0].name), await engine('objects/0/repaired/file'));
+    assert.equal(JSON.parse(run('check', demo(files[0].name), '--json', '-', '--quiet')).clean, true);
+  }
+});
+
+test('shows how far a repair is, and saves', () =>
+  visit(async (page) => {
+    await page.getByText('Try the sample').click();
+    await checked(page);
+    await page.click('.repair button >> text=Repair');
+    await until(page, (s) => s.repaired, 'the repair', 60_000);
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('text=Save walk-repaired.glb')]);
+    const path = demo('from-page.glb');
+    await download.saveAs(path);
+    assert.equal(JSON.parse(run('check', path, '--json', '-', '--quiet')).clean, true);
+  }));
 
 test('checks files that are chosen, and asks the network for nothing', () =>
   visit(async (page) => {
