@@ -255,7 +255,7 @@ void Analysis::note_seams(const StepResult* step) {
       }
     }
   });
-  std::ranges::sort(seams_);
+  std::sort(seams_.begin(), seams_.end());
   seams_.erase(std::unique(seams_.begin(), seams_.end()), seams_.end());
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <set>
+#include <tuple>
 
 #include "foldproof/filters.h"
 #include "repair/frame_solver.h"
@@ -40,7 +41,10 @@ class Analysis {
   struct Seam {
     Index contact;
     std::array<Index, 2> ends;
-    auto operator<=>(const Seam&) const = default;
+    bool operator<(const Seam& other) const {
+      return std::tie(contact, ends) < std::tie(other.contact, other.ends);
+    }
+    bool operator==(const Seam&) const = default;
   };
   struct Frame {
     bool is_free = false, is_way_free = false;

@@ -1,6 +1,8 @@
 /// What is repaired, as one mesh: the objects' vertices, faces and edges one after the other.
 #pragma once
 
+#include <tuple>
+
 #include "foldproof/eigen.h"
 #include "foldproof/repair.h"
 
@@ -20,7 +22,11 @@ struct Lists {
 struct FeaturePair {
   bool edges;
   std::array<Index, 4> v;
-  auto operator<=>(const FeaturePair&) const = default;
+  // Not <=>, which arrays of Emscripten's standard library lack.
+  bool operator<(const FeaturePair& other) const {
+    return std::tie(edges, v) < std::tie(other.edges, other.v);
+  }
+  bool operator==(const FeaturePair&) const = default;
   double distance(const FourPoints& x) const {
     return (edges ? edge_edge_closest : vertex_face_closest)(x).distance;
   }
