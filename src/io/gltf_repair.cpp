@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using Json = GltfDocument::Json;
 
 constexpr std::uint64_t kMaxTargetWeights = std::uint64_t{1} << 26;  // what the reader takes
-constexpr int kFloat = 5126, kUnsignedInt = 5125;
+constexpr int kFloatComponent = 5126, kIndexComponent = 5125;
 
 /// What is added to the positions of an instance in a frame, before its node or joints move them.
 struct Correction {
@@ -70,7 +70,7 @@ class Builder {
 
   std::size_t scalars(const std::vector<float>& values) {
     Json accessor = {{"bufferView", view(values)},
-                     {"componentType", kFloat},
+                     {"componentType", kFloatComponent},
                      {"count", values.size()},
                      {"type", "SCALAR"}};
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -81,7 +81,7 @@ class Builder {
 
   /// Vectors of which all are zero but those of a correction; null: none.
   std::size_t vectors(std::size_t count, const Correction* correction) {
-    Json accessor = {{"componentType", kFloat}, {"count", count}, {"type", "VEC3"}};
+    Json accessor = {{"componentType", kFloatComponent}, {"count", count}, {"type", "VEC3"}};
     std::array<float, 3> least{}, most{};
     if (correction != nullptr) {
       const auto& values = correction->values;
@@ -91,7 +91,7 @@ class Builder {
       }
       accessor["sparse"] = {
           {"count", correction->vertices.size()},
-          {"indices", {{"bufferView", view(correction->vertices)}, {"componentType", kUnsignedInt}}},
+          {"indices", {{"bufferView", view(correction->vertices)}, {"componentType", kIndexComponent}}},
           {"values", {{"bufferView", view(values)}}}};
     }
     accessor["min"] = least;
