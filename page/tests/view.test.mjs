@@ -379,7 +379,7 @@ test('repairs, shows before and after, and saves what the program calls free', a
     assert.equal(await page.locator('[name=source][value=repaired]').isDisabled(), true);
     await page.click('.repair button >> text=Repair');
     await until(page, (s) => s.repaired && s.shape === 'repaired', 'the repaired motion', 30_000);
-    assert.match(await textOf(page, '.stage .verdict'), /^Repaired\. Proven: nothing touches/);
+    assert.match(await textOf(page, '.stage > .badge'), /^Repaired\. Proven: nothing touches/);
     const after = await still(page);
     await page.keyboard.press('f');
     await until(page, (s) => s.shape === 'motion', 'what was before');
@@ -407,7 +407,7 @@ test('repairs one object beside another that may not move', async () => {
     await page.click('.repair label >> text=body');
     await page.click('.repair .form button >> text=Repair');
     await until(page, (s) => s.repaired, 'the repaired motion', 30_000);
-    assert.match(await textOf(page, '.stage .verdict'), /but what may not move, with itself/);
+    assert.match(await textOf(page, '.stage > .badge'), /but what may not move, with itself/);
     assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save shirt-repaired.npz']);
   });
   await clothed.end();

@@ -299,7 +299,8 @@ TEST(BroadPhase, CountsNearLeavesWhateverIsCulled) {
   const std::size_t near = clearly_near(scene, stage.objects, settings, 0.05).size();
   for (int step = 0; step < 4; ++step) {
     ASSERT_NO_FATAL_FAILURE(stage.find(scene, settings, 0.05));
-    EXPECT_EQ(stage.broad_phase.count_near_leaves(stage.motion, stage.culling, stage.filter, settings, 0.05), near);
+    EXPECT_EQ(stage.broad_phase.count_near_leaves(stage.motion, stage.culling, stage.filter, settings, 0.05),
+              near);
   }
   EXPECT_LT(stage.found().size(), near) << "nothing was culled";
 }

@@ -98,6 +98,7 @@ export class LayerPanel {
     const why = whyNot(this.scene);
     const paints = el('fieldset', {}, el('legend', {}, 'Color of the surface'));
     for (const [paint, title, help] of kPaints) {
+      if (paint === 'correction' && this.poses) continue; // only motions are repaired
       const reason = paint === 'error' ? why.error : paint === 'correction' ? kNoRepair : '';
       const input = el('input', { type: 'radio', name: 'paint', value: paint, checked: paint === 'plain', disabled: reason !== '' });
       input.addEventListener('change', () => this.setPaint(paint));
@@ -126,7 +127,7 @@ export class LayerPanel {
     const all: [ShapeSource, string, string][] = [
       ['motion', this.poses ? 'The frames' : 'The motion', ''],
       ['prediction', 'Its prediction from key points', reason],
-      ['repaired', 'The repaired motion', kNoRepair],
+      ...(this.poses ? [] : [['repaired', 'The repaired motion', kNoRepair] as [ShapeSource, string, string]]),
     ];
     for (const [source, title, why] of all) {
       const input = el('input', { type: 'radio', name: 'source', value: source, checked: source === 'motion', disabled: why !== '' });
@@ -179,8 +180,9 @@ export class LayerPanel {
 
   /** There is a repaired motion, or there is none any more. */
   offerRepaired(exists: boolean): void {
-    const inputs = [this.paints.get('correction')!, this.shapes.get('repaired')!];
+    const inputs = [this.paints.get('correction'), this.shapes.get('repaired')];
     for (const input of inputs) {
+      if (!input) continue;
       const line = input.closest('.line')!;
       input.disabled = !exists;
       line.classList.toggle('off', !exists);
@@ -193,7 +195,7 @@ export class LayerPanel {
 
   /** Switches to the next available surface color. */
   cyclePaint(): void {
-    const usable = kPaints.map(([paint]) => paint).filter((paint) => !this.paints.get(paint)!.disabled);
+    const usable = kPaints.map(([paint]) => paint).filter((paint) => this.paints.get(paint)?.disabled === false);
     this.setPaint(usable[(usable.indexOf(this.state.paint) + 1) % usable.length]!);
   }
 
