@@ -281,7 +281,8 @@ class Repair {
   /// The times of frames, and of keys of the node's own weights.
   std::vector<float> key_times(std::size_t node) const {
     std::vector<float> times;
-    for (double k = 0; k < frames_.count(); ++k) times.push_back(static_cast<float>(frames_.time(k)));
+    for (Index k = 0; k < static_cast<Index>(frames_.count()); ++k)
+      times.push_back(static_cast<float>(frames_.time(k)));
     if (const GltfChannel* own = channel_of(node)) {
       for (std::uint64_t i = 0; i < own->times.count(); ++i) {
         const double key = own->times.get(i, 0);

@@ -77,7 +77,7 @@ bool RepairService::compute_queued(const std::atomic<bool>& stop) {
   return true;
 }
 
-Result<RepairService::Repaired> RepairService::compute(std::vector<Index> fixed,
+Result<RepairService::Repaired> RepairService::compute(const std::vector<Index>& fixed,
                                                        const std::atomic<bool>& stop) {
   if (scene_.settings().poses)
     return fail(ErrorCode::InvalidArgument, "--static", "checks frames one by one, and repair mends a motion",

@@ -35,7 +35,7 @@ class RepairService {
     RepairRequest request;
     RepairedMotions motions;
   };
-  Result<Repaired> compute(std::vector<Index> fixed, const std::atomic<bool>& stop);
+  Result<Repaired> compute(const std::vector<Index>& fixed, const std::atomic<bool>& stop);
   Result<std::shared_ptr<const Repaired>> repaired(Index object) const;
   std::string file_name(Index object) const;
 
