@@ -24,7 +24,7 @@ Error nothing_repaired() { return {"repair", "has no result", "start it first", 
 
 void RepairService::start(std::vector<Index> fixed) {
   const std::lock_guard lock(mutex_);
-  cancelled_ = state_ == State::Running;  // a later one begins where it ends
+  cancelled_ = true;  // the one that is being computed, until the next one begins
   state_ = State::Queued;
   progress_ = 0;
   fixed_ = std::move(fixed);
@@ -34,7 +34,7 @@ void RepairService::start(std::vector<Index> fixed) {
 
 void RepairService::cancel() {
   const std::lock_guard lock(mutex_);
-  cancelled_ = state_ == State::Running;
+  cancelled_ = true;
   if (state_ == State::Queued || state_ == State::Running) state_ = State::Idle;
 }
 
@@ -48,8 +48,8 @@ Json RepairService::status() const {
   json.update(repair_json(scene_.motions(), done_->request, report));
   Json& files = json["files"] = Json::array();
   if (!report.written || report.unchanged) return json;
-  for (const Index object : done_->motions.movable)
-    files.push_back({{"object", object}, {"name", file_name(object)}});
+  for (std::size_t i = 0; i < done_->files.size(); ++i)
+    files.push_back({{"object", done_->motions.movable[i]}, {"name", done_->files[i]}});
   return json;
 }
 
@@ -80,8 +80,8 @@ bool RepairService::compute_queued(const std::atomic<bool>& stop) {
 Result<RepairService::Repaired> RepairService::compute(const std::vector<Index>& fixed,
                                                        const std::atomic<bool>& stop) {
   if (scene_.settings().poses)
-    return fail(ErrorCode::InvalidArgument, "--static", "checks frames one by one, and repair mends a motion",
-                "start without it");
+    return fail(ErrorCode::InvalidArgument, "--static",
+                "checks frames one by one, and a repair is of a motion", "start without it");
   RepairRequest request{scene_.settings(), {}, {}, {}};
   request.check.step.explain = false;
   for (const Index object : fixed) request.fixed.push_back(scene_.motions()[object]->name());
@@ -96,7 +96,9 @@ Result<RepairService::Repaired> RepairService::compute(const std::vector<Index>&
   auto motions = FOLDPROOF_TRY(repair_motions(scene_.motions(), request));
   request.repair.interrupted = nullptr;
   request.repair.progress = nullptr;
-  return Repaired{std::move(request), std::move(motions)};
+  std::vector<std::string> files;
+  for (const Index object : motions.movable) files.push_back(file_name(object));
+  return Repaired{std::move(request), std::move(motions), std::move(files)};
 }
 
 Result<std::shared_ptr<const RepairService::Repaired>> RepairService::repaired(Index object) const {
@@ -127,10 +129,10 @@ Result<std::string> RepairService::file(Index object) const {
   const auto directory =
       FOLDPROOF_TRY(io::NewDirectory::open(fs::temp_directory_path() / "foldproof-repair"));
   RepairOutputs outputs{{}, scene_.read(), 0};
-  const std::string mine = file_name(object);
   std::string path;
-  for (const Index each : done->motions.movable) {
-    outputs.paths.push_back((directory.path() / fmt::format("{}-{}", each, file_name(each))).string());
+  for (std::size_t i = 0; i < done->files.size(); ++i) {
+    const Index each = done->motions.movable[i];
+    outputs.paths.push_back((directory.path() / fmt::format("{}-{}", each, done->files[i])).string());
     if (each == object) path = outputs.paths.back();
   }
   if (path.empty()) return tl::unexpected(nothing_repaired());

@@ -34,6 +34,7 @@ class RepairService {
   struct Repaired {
     RepairRequest request;
     RepairedMotions motions;
+    std::vector<std::string> files;  // names, of the objects that may move
   };
   Result<Repaired> compute(const std::vector<Index>& fixed, const std::atomic<bool>& stop);
   Result<std::shared_ptr<const Repaired>> repaired(Index object) const;

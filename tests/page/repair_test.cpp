@@ -94,5 +94,28 @@ TEST(PageRepair, EndsWhenItIsCancelled) {
   EXPECT_EQ(ended(served)["state"], "done");
 }
 
+// In the middle of a repair, on the thread that computes it.
+TEST(PageRepair, OneThatIsCancelledDoesNotGoOnWhenAnotherWaits) {
+  std::unique_ptr<Page> page;
+  std::vector<int> told{0};  // per repair, how often progress was
+  PageInput input{list(colliding_tube(40)), {}, {}};
+  input.repair_progress = [&](double) {
+    if (++told.back() > 1 || told.size() > 1) return;
+    page->get("/api/repair/cancel");
+    page->get("/api/repair/start");
+  };
+  auto opened = Page::open(std::move(input));
+  ASSERT_TRUE(opened) << opened.error().line();
+  page = std::move(*opened);
+  const std::atomic<bool> stop = false;
+  while (page->advance(stop)) continue;
+  page->get("/api/repair/start");
+  EXPECT_TRUE(page->advance(stop));
+  told.push_back(0);
+  EXPECT_TRUE(page->advance(stop));
+  EXPECT_LT(2 * told[0], told[1]);
+  EXPECT_EQ(Json::parse(page->get("/api/repair").body)["state"], "done");
+}
+
 }  // namespace
 }  // namespace foldproof::testing
