@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = GltfDocument::Json;
 
-constexpr std::uint64_t kMaxTargetWeights = std::uint64_t{1} << 26;  // what the reader takes
+constexpr std::uint64_t kMaxTargetWeights = std::uint64_t{1} << 26;  // of a node, in all frames: 256 MiB
 constexpr int kFloatComponent = 5126, kIndexComponent = 5125;
 
 /// What is added to the positions of an instance in a frame, before its node or joints move them.
@@ -36,7 +36,6 @@ using Corrections = std::map<Index, std::map<std::size_t, Correction>>;
 bool add_correction(const GltfPose::Affine& to_world, std::span<const double> x, std::span<const double> y,
                     std::size_t v, Correction& out) {
   const Eigen::Map<const Eigen::Vector3d> from(x.data()), to(y.data());
-  if (from == to) return true;
   const Eigen::Matrix3d linear = to_world.leftCols<3>();
   const Eigen::Vector3d moved = to - from, local = linear.fullPivLu().solve(moved);
   if (!((linear * local - moved).norm() <= 1e-6 * moved.norm())) return false;
@@ -174,8 +173,9 @@ class Repair {
       Correction found;
       for (std::size_t v = 0; v < instance.vertex_count; ++v) {
         const std::size_t at = 3 * (instance.first_vertex + v);
-        if (add_correction(pose_.to_world(instance, v), x.subspan(at, 3), y.subspan(at, 3), v, found))
-          continue;
+        const auto from = x.subspan(at, 3), to = y.subspan(at, 3);
+        if (std::equal(from.begin(), from.end(), to.begin())) continue;
+        if (add_correction(pose_.to_world(instance, v), from, to, v, found)) continue;
         return fail(
             ErrorCode::UnsupportedFormat,
             fmt::format("{}, frame {}, vertex {}", document_.path(), frame, instance.first_vertex + v),
