@@ -35,7 +35,7 @@ struct SampleArguments {
 std::string summary(const SampleArguments& a, const Samples& samples) {
   const std::uint64_t kept = samples.shapes->frame_count(), refused = samples.drawn - kept;
   std::string text = row("shapes", grouped(kept));
-  if (a.repair) text += row("repaired", grouped(samples.mended));
+  if (a.repair) text += row("repaired", grouped(samples.repaired));
   text += row("refused", fmt::format("{}  ({:.3g} % of {} drawn: they cross themselves)", grouped(refused),
                                      100 * static_cast<double>(refused) / static_cast<double>(samples.drawn),
                                      grouped(samples.drawn)));
@@ -66,7 +66,7 @@ Result<int> sample(SampleArguments& a) {
   FOLDPROOF_TRY(a.files.check());
   const auto model = std::make_shared<const Model>(FOLDPROOF_TRY(load_learned_model(a.model)));
   const std::atomic<bool>& interrupted = watch_for_interrupt();
-  if (a.repair) a.settings.mend = [&](std::span<double> x) { return repair_shape(model, x, interrupted); };
+  if (a.repair) a.settings.repair = [&](std::span<double> x) { return repair_shape(model, x, interrupted); };
   ProgressBar bar(!a.quiet);
   TrainHooks hooks;
   hooks.progress = [&](double share) { bar.show(share, "drawing " + counted(a.settings.count, "shape")); };

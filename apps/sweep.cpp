@@ -97,7 +97,7 @@ void add_sweep_options(const Subcommand& sweep, SweepArguments& a) {
 Result<SweepSettings> load_settings(const SweepArguments& a) {
   const auto check = FOLDPROOF_TRY(step_settings(a));
   if (!a.repaired.empty() && (a.poses || a.steps_only))
-    return fail(ErrorCode::InvalidArgument, "--repair", "mends motions, all of them",
+    return fail(ErrorCode::InvalidArgument, "--repair", "is of whole motions",
                 fmt::format("leave out {}", a.poses ? "--static" : "--steps-only"));
   SweepSettings settings{check, a.motion.read, {}, a.repaired};
   settings.models = FOLDPROOF_TRY(load_models(a.models, {}));

@@ -119,18 +119,18 @@ struct SampleSettings {
   double spread = 1;       ///< Factor of the learned standard deviations; positive.
   /// Changes a shape that crosses itself, vertex_count x 3, so that it does not; false: it could not. Its
   /// error is returned. Null: such shapes are refused.
-  std::function<Result<bool>(std::span<double> x)> mend = nullptr;
+  std::function<Result<bool>(std::span<double> x)> repair = nullptr;
 };
 
 /// What sample_shapes has drawn.
 struct Samples {
   std::unique_ptr<Motion> shapes;  ///< A frame per shape, computed when it is read.
   std::uint64_t drawn = 0;         ///< How many were drawn, refused ones included.
-  std::uint64_t mended = 0;        ///< How many of the shapes were.
+  std::uint64_t repaired = 0;      ///< How many of the shapes were.
 };
 
 /// Draws shapes from what the model has learned: each mode's coordinate from a normal distribution with the
-/// deviation of the training poses. Mends or refuses those in which two triangles cross, so that all others
+/// deviation of the training poses. Repairs or refuses those in which two triangles cross, so that all others
 /// are proven free of that (StepChecker::check_static). Vertices are rounded to single precision before, so
 /// that files of any format hold the shapes that were checked. Error: nothing is learned, a setting out of
 /// range, cancelled, more than 1000 draws of which less than one in a hundred is free.

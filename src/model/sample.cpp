@@ -11,7 +11,7 @@
 namespace foldproof {
 namespace {
 
-// Shapes given by coordinates, or by positions if they were mended, in single precision.
+// Shapes given by coordinates, or by positions if they were repaired, in single precision.
 class SampledMotion final : public Motion {
  public:
   SampledMotion(const Model& model, std::shared_ptr<const Predictor> predictor)
@@ -20,19 +20,19 @@ class SampledMotion final : public Motion {
   void add(Eigen::VectorXd coordinates) { coordinates_.push_back(std::move(coordinates)); }
   void pop() {
     coordinates_.pop_back();
-    mended_.erase(frame_count());
+    repaired_.erase(frame_count());
   }
   /// Replaces the last shape.
-  void mend(std::span<const double> x) { mended_[frame_count() - 1].assign(x.begin(), x.end()); }
-  std::size_t mended() const { return mended_.size(); }
+  void replace(std::span<const double> x) { repaired_[frame_count() - 1].assign(x.begin(), x.end()); }
+  std::size_t repaired() const { return repaired_.size(); }
 
   const std::string& name() const override { return name_; }
   const Topology& topology() const override { return topology_; }
   Index frame_count() const override { return static_cast<Index>(coordinates_.size()); }
 
   Result<void> read_frame(Index k, std::span<double> out) override {
-    if (const auto mended = mended_.find(k); mended != mended_.end()) {
-      std::ranges::copy(mended->second, out.begin());
+    if (const auto repaired = repaired_.find(k); repaired != repaired_.end()) {
+      std::ranges::copy(repaired->second, out.begin());
       return {};
     }
     const Eigen::VectorXd x = predictor_->from_coordinates(coordinates_[k]);
@@ -48,7 +48,7 @@ class SampledMotion final : public Motion {
   Topology topology_;
   std::shared_ptr<const Predictor> predictor_;
   std::vector<Eigen::VectorXd> coordinates_;
-  std::map<Index, std::vector<float>> mended_;
+  std::map<Index, std::vector<float>> repaired_;
 };
 
 Result<void> require_settings(const Model& model, const SampleSettings& settings) {
@@ -87,16 +87,16 @@ Result<Samples> sample_shapes(const Model& model, const SampleSettings& settings
     FOLDPROOF_TRY(shapes->read_frame(shapes->frame_count() - 1, x));
     const std::span<const double> positions[] = {x};
     FOLDPROOF_TRY(checker.check_static(positions, {}, found));
-    if (found.crossing_count > 0 && settings.mend && FOLDPROOF_TRY(settings.mend(x))) {
-      shapes->mend(x);
+    if (found.crossing_count > 0 && settings.repair && FOLDPROOF_TRY(settings.repair(x))) {
+      shapes->replace(x);
       FOLDPROOF_TRY(shapes->read_frame(shapes->frame_count() - 1, x));  // rounded
       FOLDPROOF_TRY(checker.check_static(positions, {}, found));
     }
     if (found.crossing_count > 0) shapes->pop();
     if (hooks.progress) hooks.progress(static_cast<double>(shapes->frame_count()) / settings.count);
   }
-  const std::uint64_t mended = shapes->mended();
-  return Samples{std::move(shapes), drawn, mended};
+  const std::uint64_t repaired = shapes->repaired();
+  return Samples{std::move(shapes), drawn, repaired};
 }
 
 }  // namespace foldproof

@@ -421,12 +421,12 @@ export class App {
   }
 
   /** The repaired motion is shown: marks are of what was before. */
-  private get mended(): boolean {
+  private get showsRepaired(): boolean {
     return this.layers.state.source === 'repaired';
   }
 
   private showFaces(content: Content, shaping: boolean): void {
-    const needed = !shaping && !this.mended && this.data.needsFaces(this.clock.step);
+    const needed = !shaping && !this.showsRepaired && this.data.needsFaces(this.clock.step);
     const slot = needed ? this.data.faces.get(this.clock.step) : undefined;
     if (needed && !slot && this.clock.playing) this.waiting = true;
     content.showFaces(this.clock.step, slot?.parts ?? null);
@@ -439,10 +439,10 @@ export class App {
     const colliding = step !== undefined && collisionsOf(step) > 0;
     if (this.atStart && !this.pairs.get(kStart)) this.pairs.request(kStart, false);
     else if (colliding && !this.pairs.get(clock.step)) this.pairs.request(clock.step, false);
-    const marked = !shaping && !this.mended;
+    const marked = !shaping && !this.showsRepaired;
     content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && marked, clock);
     content.lines.group.visible = this.navigator.chosen !== null && marked;
-    if (!shaping) content.contact.mark(!this.mended);
+    if (!shaping) content.contact.mark(!this.showsRepaired);
     content.contact.show(this.navigator.contact !== null && marked, clock.position, this.navigator.contact === null ? 0 : this.navigator.worstPosition(this.navigator.contact));
     content.showKeysAndBoxes(state, clock, shaping);
   }
@@ -454,9 +454,9 @@ export class App {
     this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), this.atStart ? this.pairs.get(kStart) : undefined);
     if (this.layout.openTab === 'charts' && clock.frames > 1) this.showCharts();
     const { verdict } = this.layout;
-    this.repair.showSide(this.mended);
-    verdict.hidden = !shaping && !this.mended;
-    if (!shaping && this.mended) {
+    this.repair.showSide(this.showsRepaired);
+    verdict.hidden = !shaping && !this.showsRepaired;
+    if (!shaping && this.showsRepaired) {
       setText(verdict, `Repaired. ${this.repair.verdict?.text ?? ''}`);
       verdict.dataset['kind'] = this.repair.verdict?.kind === 'free' ? 'inside' : 'outside';
     }
@@ -490,7 +490,7 @@ export class App {
     const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error, this.repair.version]);
     if (key === this.legendKey) return;
     this.legendKey = key;
-    const contact = this.navigator.contact === null || this.mended ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
+    const contact = this.navigator.contact === null || this.showsRepaired ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
       ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error, repaired: this.repair.repaired }),
     );

@@ -118,18 +118,18 @@ export class Content {
     const next = Math.min(k + 1, scene.frames - 1);
     const [a, b] = [data.frames.get(k), data.frames.get(next)];
     const predicted = state.source === 'prediction' || state.paint === 'error';
-    const mended = data.repaired !== null && (state.source === 'repaired' || state.paint === 'correction');
+    const repaired = data.repaired !== null && (state.source === 'repaired' || state.paint === 'correction');
     // What the shape is compared with, or what is shown in its place.
-    const others = mended ? data.repaired! : predicted ? data.predictions : null;
+    const others = repaired ? data.repaired! : predicted ? data.predictions : null;
     others?.prefetch(k);
     const [oa, ob] = [others?.get(k), others?.get(next)];
     if (!a || !b || (others && (!oa || !ob))) return false;
-    const name = mended ? `repaired ${this.repair}` : 'prediction';
-    const distances = mended ? this.corrections : this.errors;
+    const name = repaired ? `repaired ${this.repair}` : 'prediction';
+    const distances = repaired ? this.corrections : this.errors;
     this.surfaces.forEach((surface, i) => {
       const truth: [Poses, Poses] = [{ data: a.parts[i]!, tag: `frame/${k}` }, { data: b.parts[i]!, tag: `frame/${next}` }];
       let shown = truth;
-      const hasOther = others !== null && (mended || data.predicts(i));
+      const hasOther = others !== null && (repaired || data.predicts(i));
       if (hasOther) {
         const other: [Poses, Poses] = [{ data: oa!.parts[i]!, tag: `${name}/${k}` }, { data: ob!.parts[i]!, tag: `${name}/${next}` }];
         if (state.source !== 'motion') shown = other;
@@ -139,7 +139,7 @@ export class Content {
       surface.pose(shown[0], shown[1], clock.blend);
       surface.showEnd(clock.t >= 0.5);
       surface.mesh.visible = state.visible[i]!;
-      const paint = (state.paint === 'error' && (mended || !hasOther)) || (state.paint === 'correction' && !mended) ? 'plain' : state.paint;
+      const paint = (state.paint === 'error' && (repaired || !hasOther)) || (state.paint === 'correction' && !repaired) ? 'plain' : state.paint;
       const marked = state.source !== 'repaired'; // marks are of what was checked
       surface.paint({ ...state, collisions: state.collisions && marked, meets: state.meets && marked, paint, errorScale: distances.scale, edgeColor: edgeColor() });
     });
