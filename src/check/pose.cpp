@@ -7,6 +7,7 @@
 #include "check/answer.h"
 #include "check/smallest_k.h"
 #include "check/step.h"
+#include "check/triangles_apart.h"
 #include "check/triangles_cross.h"
 
 namespace foldproof::internal {
@@ -34,6 +35,52 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidatePair pair, 
   if (!cross || (object_a == object_b && pose.is_layered(object_a) && have_same_vertices(s, t))) return;
   out.push_back({object_a, a, object_b, b});
 }
+
+// Pairs of triangles on their way to exact arithmetic: of eight, most are proven apart at once.
+class CrossingTest {
+ public:
+  CrossingTest(const Pose& pose, const Filter& filter, std::vector<TriangleCrossing>& out)
+      : pose_(pose), filter_(filter), out_(out) {}
+
+  void add(const TraversalTask& task, CandidatePair pair) {
+    const bool same_object = task.object_a == task.object_b;
+    set(0, task.object_a, pair.a, false);
+    set(1, task.object_b, pair.b, !same_object);
+    waiting_[count_] = {&task, pair};
+    if (++count_ == waiting_.size()) finish();
+  }
+  void finish() {
+    const unsigned apart = triangles_apart(lanes_);
+    for (unsigned k = 0; k < count_; ++k) {
+      if ((apart >> k & 1) == 0) test_pair(pose_, *waiting_[k].task, waiting_[k].pair, filter_, out_);
+    }
+    count_ = 0;
+  }
+
+ private:
+  struct Waiting {
+    const TraversalTask* task;
+    CandidatePair pair;
+  };
+
+  // Vertices of another object are numbered -1, -2 and so on.
+  void set(int side, Index object, Index triangle, bool is_other_object) {
+    const Hierarchy& h = pose_.motion.hierarchy(object);
+    const Triangle& corners = h.triangles()[triangle];
+    for (int k = 0; k < 3; ++k) {
+      const double number = corners[k];
+      lanes_.set(static_cast<int>(count_), side, k, position(pose_.x[object], h.vertex_ids()[corners[k]]),
+                 is_other_object ? -1 - number : number);
+    }
+  }
+
+  const Pose& pose_;
+  const Filter& filter_;
+  std::vector<TriangleCrossing>& out_;
+  TrianglePairs lanes_{};
+  std::array<Waiting, 8> waiting_;
+  unsigned count_ = 0;
+};
 
 struct ById {
   bool operator()(const TriangleCrossing& a, const TriangleCrossing& b) const {
@@ -136,12 +183,14 @@ Result<void> check_pose(const Query& query, Positions x, const StepSettings& set
     const auto test = [&](std::span<const TaskLeaves> pairs, Hits& hits) {
       std::vector<CandidatePair>& faces =
           pipeline.narrow.candidates.local().candidates[FeaturePair::VertexFace];
+      CrossingTest crossing_test(pose, pipeline.filter, hits.crossings);
       for (const TaskLeaves& pair : pairs) {
         const TraversalTask& task = found.tasks()[pair.task];
         faces.clear();
         find_face_pairs(task.traversal, pair.leaves, faces);
-        for (const CandidatePair both : faces) test_pair(pose, task, both, pipeline.filter, hits.crossings);
+        for (const CandidatePair both : faces) crossing_test.add(task, both);
       }
+      crossing_test.finish();
     };
     const auto add = [&](const Hits& hits) {
       for (const TriangleCrossing& crossing : hits.crossings) crossings.add(crossing);
