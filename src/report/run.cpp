@@ -266,23 +266,30 @@ class MotionCheck::Impl {
     return {};
   }
 
-  // What crosses in the first frame, exactly and in every mode. It has a checker of its own, so that the work
-  // of the steps is counted separately.
-  Result<StaticResult> first_crossings(std::shared_ptr<const PairFilter> filter,
+  // What crosses in the first frame, exactly and in every mode.
+  Result<StaticResult> first_crossings(StepChecker& checker, StepSettings exact,
                                        std::uint64_t max_listed) const {
-    StepSettings exact = settings_.step;
     exact.explain = false;
     exact.max_listed = max_listed;
     StaticResult result;
-    FOLDPROOF_TRY(StepChecker(objects_, std::move(filter)).check_static(from_.positions(), exact, result));
+    FOLDPROOF_TRY(checker.check_static(from_.positions(), exact, result));
     return result;
+  }
+
+  // By a checker that is asked once. Charts of its own would pay from its second pose on.
+  Result<StaticResult> first_crossings_once(std::shared_ptr<const PairFilter> filter,
+                                            std::uint64_t max_listed) const {
+    StepSettings once = settings_.step;
+    once.certificates &= std::ranges::any_of(objects_, [](const Object& o) { return o.charts() != nullptr; });
+    StepChecker checker(objects_, std::move(filter));
+    return first_crossings(checker, once, max_listed);
   }
 
   Result<void> test_still() {
     if (totals_.still.empty() || (settings_.steps_only && !settings_.poses)) return {};
     auto filter =
         FOLDPROOF_TRY(filter_for(motions_, settings_, objects_, totals_.still, TestedPairs::AmongStill));
-    const auto result = FOLDPROOF_TRY(first_crossings(std::move(filter), StepSettings().max_listed));
+    const auto result = FOLDPROOF_TRY(first_crossings_once(std::move(filter), StepSettings().max_listed));
     totals_.still_crossing = result.crossing_count;
     still_milliseconds_ = result.milliseconds;
     std::map<std::pair<Index, Index>, std::uint64_t> counts;
@@ -293,7 +300,11 @@ class MotionCheck::Impl {
   }
 
   Result<void> start() {
-    const auto result = FOLDPROOF_TRY(first_crossings(filter_, settings_.step.max_listed));
+    // Where the steps have a checker of the same kind, the charts of the first pose serve them, too.
+    const std::uint64_t listed = settings_.step.max_listed;
+    const auto result =
+        FOLDPROOF_TRY(checker_ && !proven_ ? first_crossings(*checker_, settings_.step, listed)
+                                           : first_crossings_once(filter_, listed));
     CheckedStep pose{.index = {0, frames_[0], frames_[0], 0},
                      .collisions = {.triangle_triangle = result.crossing_count},
                      .work = result.work,
