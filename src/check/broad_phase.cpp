@@ -143,13 +143,15 @@ void BroadPhase::run(const Step& step, const TraversalTask& task, Tile& tile) {
   const Front::Segment* last = tile.front.segments.data();
   const Front::Segment* const end = last + tile.front.segments.size();
   const auto resumes = [&](Index node, NodePair start) {
-    const bool is_due = (steps_ + (tile.key.is_self() ? node : a + b)) % kFrontLifetime == 0;
+    const Tile::Key& key = tile.key;
+    const bool is_due = (steps_ + (key.is_self() ? node : key.a + key.b)) % kFrontLifetime == 0;
     if (last == end || last->node != node || is_due) return false;
     const bool is_end = last + 1 == end;
     const std::size_t pairs = (is_end ? tile.front.pairs.size() : last[1].pairs) - last->pairs,
                       near = (is_end ? tile.front.near.size() : last[1].near) - last->near;
     // Around a hub one plane that fails brings many leaves near, and in the next step it may hold again.
-    return 8 * near <= pairs || object_a != object_b || !step.culling.hubs(object_a).have_common_hub(start);
+    return 8 * near <= pairs || key.object_a != key.object_b ||
+           !step.culling.hubs(key.object_a).have_common_hub(start);
   };
   if (tile.key.is_self()) {
     const auto nodes = step.motion.hierarchy(object_a).nodes();

@@ -74,10 +74,12 @@ void RegionFinder::collect_cuts(const Curves& curves, const RegionQuery& query) 
 std::span<const RegionFinder::Cut> RegionFinder::all_cuts(Index u, Index w) const {
   if (!is_near_cuts(u) || !is_near_cuts(w)) return {};
   const auto [first, last] = cuts_from_[std::min(u, w)];
-  auto begin = std::lower_bound(all_cuts_.begin() + first, all_cuts_.begin() + last, std::max(u, w),
-                                [](const Cut& cut, Index vertex) { return cut.edge[1] < vertex; });
-  auto end = begin;
-  while (end != all_cuts_.begin() + last && end->edge[1] == std::max(u, w)) ++end;
+  const Cut* const cuts_end = all_cuts_.data() + last;
+  const Cut* const begin =
+      std::lower_bound(all_cuts_.data() + first, cuts_end, std::max(u, w),
+                       [](const Cut& cut, Index vertex) { return cut.edge[1] < vertex; });
+  const Cut* end = begin;
+  while (end != cuts_end && end->edge[1] == std::max(u, w)) ++end;
   return {begin, end};
 }
 
@@ -296,8 +298,9 @@ Vec3 RegionFinder::cut_at(Index u, Index w, Positions x) const {
 }
 
 std::span<const std::array<Index, 2>> RegionFinder::segments_in(Index triangle) const {
-  return {std::lower_bound(segments_.begin(), segments_.end(), std::array<Index, 2>{triangle, 0}),
-          std::lower_bound(segments_.begin(), segments_.end(), std::array<Index, 2>{triangle + 1, 0})};
+  const auto* const end = segments_.data() + segments_.size();
+  return {std::lower_bound(segments_.data(), end, std::array<Index, 2>{triangle, 0}),
+          std::lower_bound(segments_.data(), end, std::array<Index, 2>{triangle + 1, 0})};
 }
 
 // Whether the edge to `w` is inside where it begins.
