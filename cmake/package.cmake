@@ -11,11 +11,25 @@ if(TARGET foldproof_program)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/foldproof RENAME copyright COMPONENT program)
 endif()
 
-# What Blender installs. All times in it are one, so that the same sources make the same file.
-file(GLOB ADDON CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/blender blender/foldproof_addon/*.py)
-list(TRANSFORM ADDON PREPEND ${PROJECT_SOURCE_DIR}/blender/ OUTPUT_VARIABLE ADDON_FILES)
-add_custom_command(OUTPUT foldproof_addon.zip DEPENDS ${ADDON_FILES} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/blender
-  COMMAND ${CMAKE_COMMAND} -E tar cf ${PROJECT_BINARY_DIR}/foldproof_addon.zip --format=zip --mtime=2000-01-01 ${ADDON})
+# What Blender installs, with a program for Linux inside where Debian's packages give it its libraries and their licenses.
+set(FOLDPROOF_WINDOWS_PROGRAM "" CACHE FILEPATH "foldproof.exe, for the extension for Blender")
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+find_program(DPKG_QUERY dpkg-query)
+file(GLOB ADDON CONFIGURE_DEPENDS blender/foldproof_addon/*)
+set(BUNDLED)
+if(TARGET foldproof_program AND DPKG_QUERY AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT FOLDPROOF_SANITIZE)
+  add_custom_command(OUTPUT standalone/foldproof DEPENDS foldproof_program tools/standalone tools/libraries.py
+    COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/standalone $<TARGET_FILE:foldproof_program>
+      ${PROJECT_BINARY_DIR}/standalone)
+  list(APPEND BUNDLED --linux ${PROJECT_BINARY_DIR}/standalone)
+  list(APPEND ADDON ${PROJECT_BINARY_DIR}/standalone/foldproof)
+endif()
+if(FOLDPROOF_WINDOWS_PROGRAM)
+  list(APPEND BUNDLED --windows ${FOLDPROOF_WINDOWS_PROGRAM})
+  list(APPEND ADDON ${FOLDPROOF_WINDOWS_PROGRAM})
+endif()
+add_custom_command(OUTPUT foldproof_addon.zip DEPENDS ${ADDON} tools/extension
+  COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/extension ${PROJECT_BINARY_DIR}/foldproof_addon.zip ${BUNDLED})
 add_custom_target(blender_addon ALL DEPENDS ${PROJECT_BINARY_DIR}/foldproof_addon.zip)
 
 # A page per header, with its example. What Doxygen warns of is an error.

@@ -121,7 +121,7 @@ def _put_groups(sampled, contact, name):
 def clear(scene):
     """Removes the list, the markers and the vertex groups."""
     scene.foldproof.contacts.clear()
-    scene.foldproof["contact"] = -1  # not by the property, which would show a contact
+    scene.foldproof.contact = -1
     for marker in [m for m in scene.timeline_markers if m.name.startswith(PREFIX)]:
         scene.timeline_markers.remove(marker)
     for scene_object in bpy.data.objects:

@@ -6,6 +6,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from . import contacts, jobs, marks, program
+from .compatibility import blend_path_options
 from .problem import Problem
 
 _running = None  # the status text of the running job
@@ -16,7 +17,7 @@ class FoldproofPreferences(bpy.types.AddonPreferences):
 
     program: StringProperty(
         name="Program",
-        description="The program foldproof; empty to find it in PATH",
+        description="The program foldproof; empty: the one in this add-on, or else in PATH",
         subtype="FILE_PATH",
     )
 
@@ -53,7 +54,7 @@ class FoldproofSettings(bpy.types.PropertyGroup):
         max=100,
     )
     use_models: BoolProperty(name="Use Models", description="Check faster with trained models; the answer is the same")
-    folder: StringProperty(name="Models", description="The folder of models", subtype="DIR_PATH", default="//foldproof/")
+    folder: StringProperty(name="Models", description="The folder of models", subtype="DIR_PATH", default="//foldproof/", options=blend_path_options())
     message: StringProperty()
     contacts: CollectionProperty(type=contacts.FoldproofContact)
     contact: IntProperty(name="Contact", description="Shows the contact at its worst frame", update=contacts.show)

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from . import contacts, marks, motion, program, repaired
+from .compatibility import curves_of
 from .problem import Problem
 
 
@@ -219,8 +220,7 @@ def keyed_frames(objects):
         if datablock is None or datablock in seen:
             return
         seen.add(datablock)
-        action = datablock.animation_data.action if datablock.animation_data else None
-        for curve in action.fcurves if action else ():
+        for curve in curves_of(datablock):
             frames.update(round(point.co[0]) for point in curve.keyframe_points)
         if isinstance(datablock, bpy.types.Object):
             visit(datablock.parent)

@@ -3,6 +3,8 @@
 import dataclasses
 import json
 import os
+import pathlib
+import platform
 import shutil
 import subprocess
 import time
@@ -13,12 +15,25 @@ from .problem import Problem
 from .progress import Progress
 
 
+ERRORS = "errors.txt"  # what a program says, in the folder of its files
+HERE = pathlib.Path(__file__).parent
+# What comes with the add-on, by system and processor as Python names them.
+BUNDLED = {
+    ("Linux", "x86_64"): HERE / "linux-x64" / "foldproof",
+    ("Windows", "AMD64"): HERE / "windows-x64" / "foldproof.exe",
+}
+
+
 def find(path):
-    """The program at `path`, or in PATH if that is empty."""
+    """The program at `path`; if that is empty, the one that came with the add-on, or else the one in PATH."""
     if path:
         if os.path.isfile(path) and os.access(path, os.X_OK):
             return path
         raise Problem(f"'{path}' is not a program: correct it in Preferences > Add-ons > Foldproof")
+    bundled = BUNDLED.get((platform.system(), platform.machine()))
+    if bundled and bundled.is_file():
+        _make_executable(bundled)
+        return str(bundled)
     found = shutil.which("foldproof")
     if found:
         return found
@@ -27,13 +42,27 @@ def find(path):
     )
 
 
+def _make_executable(program):
+    """What Blender unpacks from a zip cannot be run."""
+    if os.access(program, os.X_OK):
+        return
+    try:
+        for file in (*program.parent.glob("lib/*"), program):  # this last, as it says that all are done
+            file.chmod(0o755)
+    except OSError as error:
+        raise Problem(
+            f"{error.filename} cannot be made executable: {error.strerror}; copy its folder to where it can, and say where"
+            " that is in Preferences > Add-ons > Foldproof"
+        ) from error
+
+
 def run(arguments, folder, text, fraction):
     """Runs the program and yields Progress; closing the generator ends the program. Returns its exit code, 0 or 1."""
-    errors = folder / "errors.txt"
-    with open(errors, "wb") as stream:
+    with open(folder / ERRORS, "wb") as stream:
         try:
             process = subprocess.Popen(
-                arguments, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=stream, cwd=folder
+                arguments, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=stream, cwd=folder,
+                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except OSError as error:
             raise Problem(f"{arguments[0]} cannot be started: {error.strerror}") from error
@@ -47,9 +76,12 @@ def run(arguments, folder, text, fraction):
             process.kill()  # it never leaves an incomplete report
         process.wait()
     if process.returncode not in (0, 1):
-        lines = errors.read_text(errors="replace").strip().splitlines()
-        raise Problem(lines[-1] if lines else f"{arguments[0]} ended with code {process.returncode} and no message")
+        raise Problem(_last_error(folder) or f"{arguments[0]} ended with code {process.returncode} and no message")
     return process.returncode
+
+
+def _last_error(folder):
+    return (folder / ERRORS).read_text(errors="replace").strip().rpartition("\n")[2]
 
 
 class _Triangles:
@@ -86,7 +118,10 @@ def read_report(path):
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise Problem("The program gave no answer: see in Preferences > Add-ons > Foldproof that it is foldproof") from None
+        said = _last_error(path.parent)
+        raise Problem(
+            f"The program gave no answer{said and f' ({said})'}: see in Preferences > Add-ons > Foldproof that it is foldproof"
+        ) from None
     if "verdict" not in report:
         raise Problem(
             "The program foldproof is too old for this add-on: install its version, or say where that is in"

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 
 from . import marks, motion
+from .compatibility import curves_of
 
 
 def add(sampled, times, cache):
@@ -43,7 +44,7 @@ def _key(made, times, poses):
         block.interpolation = "KEY_LINEAR"
         keys.eval_time = block.frame
         keys.keyframe_insert("eval_time", frame=time)
-    for curve in keys.animation_data.action.fcurves:
+    for curve in curves_of(keys):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 

@@ -12,8 +12,10 @@ import struct
 import subprocess
 import sys
 import time
+import tomllib
 import types
 import unittest
+import unittest.mock
 
 import bmesh
 import bpy
@@ -59,8 +61,7 @@ def key(animated, path, values, index=-1):
         else:
             getattr(animated, path)[index] = value
         animated.keyframe_insert(path, index=index, frame=frame)
-    action = animated.id_data.animation_data.action
-    for curve in action.fcurves:
+    for curve in addon("compatibility").curves_of(animated.id_data):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 
@@ -251,7 +252,7 @@ class Addon(unittest.TestCase):
 
     def test_parts_of_frames_thickness_and_poses(self):
         floor, strip = two_planes()
-        strip.animation_data.action.fcurves[2].keyframe_points[1].co[1] = 0.51  # stops a hundredth above the floor
+        addon("compatibility").curves_of(strip)[2].keyframe_points[1].co[1] = 0.51  # stops a hundredth above the floor
         self.settings.samples = 3
         bpy.ops.foldproof.check()
         self.assertEqual(markers(), {})
@@ -452,12 +453,10 @@ class Addon(unittest.TestCase):
         preferences.program = "/nowhere/foldproof"
         self.fails(bpy.ops.foldproof.check, "'/nowhere/foldproof' is not a program: correct it in Preferences")
         preferences.program = ""
-        path = os.environ["PATH"]
-        os.environ["PATH"] = "/nowhere"
-        self.fails(bpy.ops.foldproof.check, "The program foldproof was not found: install it")
-        os.environ["PATH"] = path
         preferences.program = "/bin/false"
-        self.fails(bpy.ops.foldproof.check, "The program gave no answer")
+        self.fails(bpy.ops.foldproof.check, "The program gave no answer: see")
+        preferences.program = stand_in("echo 'not of this system' >&2; exit 1")
+        self.fails(bpy.ops.foldproof.check, r"The program gave no answer \(not of this system\): see")
         preferences.program = stand_in('while [ "$1" != --json ]; do shift; done; echo \'{"steps": []}\' > "$2"')
         self.fails(bpy.ops.foldproof.check, "The program foldproof is too old for this add-on: install its version")
         preferences.program = ""
@@ -472,6 +471,48 @@ class Addon(unittest.TestCase):
         build = floor.modifiers.new("Build", "BUILD")
         build.frame_start, build.frame_duration = -10, 30
         self.fails(bpy.ops.foldproof.check, "Floor has other faces at frame 2 than at the first")
+
+    def test_finds_the_program_that_came_with_it(self):
+        program = addon("program")
+        with unittest.mock.patch.dict(program.BUNDLED, clear=True):
+            self.assertEqual(program.find(""), str(PROGRAM))
+            with unittest.mock.patch.dict(os.environ, PATH="/nowhere"):
+                two_planes()
+                self.fails(bpy.ops.foldproof.check, "The program foldproof was not found: install it")
+        bundled = program.HERE / "linux-x64" / "foldproof"
+        if not bundled.exists():
+            self.skipTest("the add-on was built without a program inside")
+        files = [bundled, *(bundled.parent / "lib").iterdir()]
+        for file in files:
+            file.chmod(0o644)  # as Blender unpacks them
+        with unittest.mock.patch.object(pathlib.Path, "chmod", side_effect=PermissionError(13, "Permission denied", "/there")):
+            self.fails(bpy.ops.foldproof.check, "/there cannot be made executable: Permission denied; copy its folder")
+        with unittest.mock.patch.dict(os.environ, PATH="/nowhere"):
+            self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
+        self.assertEqual(list(markers()), [6])
+        self.assertEqual({file.stat().st_mode & 0o777 for file in files}, {0o755})
+
+    def test_the_manifest(self):
+        """Limits of docs.blender.org/manual/en/4.2/advanced/extensions/getting_started.html"""
+        found = tomllib.loads((addon("program").HERE / "blender_manifest.toml").read_text())
+        self.assertEqual((found["schema_version"], found["type"]), ("1.0.0", "add-on"))
+        self.assertEqual(found["version"], ".".join(map(str, sys.modules[NAME].bl_info["version"])))
+        self.assertEqual(set(found["permissions"]), {"files"})
+        for text in (found["tagline"], *found["permissions"].values()):
+            self.assertLessEqual(len(text), 64)
+            self.assertRegex(text[-1], r"\w")
+
+    def test_curves_of_every_version(self):
+        curves_of = addon("compatibility").curves_of
+        _, strip = two_planes()
+        self.assertEqual(len(curves_of(strip)), 3)
+        self.assertEqual(curves_of(strip.data), [])
+        new = types.SimpleNamespace
+        channels = {"mine": new(fcurves=["x", "y"]), "another's": new(fcurves=["z"])}
+        layer = new(strips=[new(channelbag=channels.get)])
+        for slot, curves in (("mine", ["x", "y"]), ("empty", []), (None, [])):
+            animation = new(action=new(layers=[layer]), action_slot=slot)
+            self.assertEqual(curves_of(new(animation_data=animation), (5, 0, 0)), curves)
 
     def test_instances_are_refused(self):
         """The strip stays above the floor, but its instances, 6 below it, pass through."""
