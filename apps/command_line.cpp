@@ -197,8 +197,8 @@ CommandLine::CommandLine(const std::string& about, const std::string& footer)
   const auto formatter = std::make_shared<HelpFormatter>();
   formatter->column_width(26);
   app_->formatter(formatter);
-  app_->set_version_flag("-V,--version", std::string("foldproof ") + version(),
-                         "Print the version, and exit");
+  app_->set_version_flag("-V,--version", std::string("foldproof ") + version() + "\n" + build_info(),
+                         "Print the version, and how it was built, and exit");
   app_->set_help_flag("-h,--help", "Print this help, and exit");
   app_->require_subcommand(0, 1);  // none is the caller's error, so that unknown words are reported first
   app_->footer(footer);

@@ -2,7 +2,7 @@
 # Writes the manual pages, of what --help prints: manual.sh FOLDPROOF DIRECTORY. Needs help2man.
 set -eu
 program=$1 directory=$2
-version=$("$program" --version | cut -d ' ' -f 2)
+version=$("$program" --version | sed -n '1s/foldproof //p')
 mkdir -p "$directory"
 rm -f "$directory"/foldproof*.1
 

@@ -57,4 +57,8 @@ inline tl::unexpected<Error> fail(std::string where, std::string problem, std::s
 /// The library's version, "major.minor.patch".
 const char* version();
 
+/// How the library was built and what it uses here: compiler, threads and how many, instruction set of its
+/// vector code, as in "GCC 12.2.0, threads oneTBB (8), AVX-512". No answer depends on the latter two.
+std::string build_info();
+
 }  // namespace foldproof

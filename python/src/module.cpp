@@ -27,6 +27,9 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__name__") = "foldproof";  // the module name that classes show
   module.attr("__version__") = foldproof::version();
   translate_errors();
+  module.def("build_info", &foldproof::build_info,
+             "How the module was built and what it uses here: compiler, threads and how many, instruction "
+             "set of its vector code.");
   module.def("set_threads", &set_threads, py::arg("count"),
              "Limits the number of threads of all later calls; 0: all cores. Answers do not depend on it.");
   bind_motions(module);

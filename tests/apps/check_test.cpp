@@ -365,7 +365,7 @@ TEST(Check, HelpAndVersion) {
     EXPECT_THAT(help.out, HasSubstr("foldproof check walk.glb"));
     EXPECT_EQ(help.err, "");
   }
-  EXPECT_EQ(run_program({"--version"}).out, std::string("foldproof ") + version() + "\n");
+  EXPECT_EQ(run_program({"--version"}).out, fmt::format("foldproof {}\n{}\n", version(), build_info()));
 }
 
 // --- Errors
