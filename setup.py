@@ -14,6 +14,7 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 ROOT = pathlib.Path(__file__).resolve().parent
+REMEDY = "install what docs/install.md (Python, from source) lists, then repeat the command"
 
 
 class BuildWithCMake(build_ext):
@@ -29,12 +30,24 @@ class BuildWithCMake(build_ext):
 
     def configure(self, build):
         options = [f"-DPython3_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release", "-DFOLDPROOF_PYTHON=ON",
-                   "-DFOLDPROOF_PROGRAM=OFF", "-DFOLDPROOF_TESTS=OFF", "-DFOLDPROOF_INSTALL=OFF", "-DCMAKE_UNITY_BUILD=ON"]
+                   "-DFOLDPROOF_PROGRAM=OFF", "-DFOLDPROOF_TESTS=OFF", "-DFOLDPROOF_INSTALL=OFF", "-DCMAKE_UNITY_BUILD=ON",
+                   f"-DFOLDPROOF_THREADS={threads()}"]
         if shutil.which("ninja"):
             options.append("-GNinja")
         if shutil.which("ccache"):
             options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
-        subprocess.run(["cmake", "-S", ROOT, "-B", build, *options], check=True)
+        try:
+            subprocess.run(["cmake", "-S", ROOT, "-B", build, *options], check=True)
+        except FileNotFoundError:
+            sys.exit(f"foldproof: cmake was not found; {REMEDY}")
+        except subprocess.CalledProcessError:
+            sys.exit(f"foldproof: CMake lacks something, which it names above; {REMEDY}")
+
+
+def threads():
+    """oneTBB where it is installed, else the standard library's threads; answers are the same."""
+    pkg_config = shutil.which("pkg-config")
+    return "tbb" if pkg_config and subprocess.run([pkg_config, "--exists", "tbb"]).returncode == 0 else "std"
 
 
 version = re.search(r"project\(foldproof VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)

@@ -36,3 +36,7 @@ set_tests_properties(python_pip PROPERTIES PASS_REGULAR_EXPRESSION "installed an
 add_test(NAME python_wheel COMMAND sh ${PYTHON_SOURCE}/tests/wheel.sh ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}
   ${CMAKE_CURRENT_BINARY_DIR}/python_wheel ${PROJECT_BINARY_DIR})
 set_tests_properties(python_wheel PROPERTIES SKIP_RETURN_CODE 77)
+
+add_test(NAME python_sdist COMMAND sh ${PYTHON_SOURCE}/tests/sdist.sh ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}
+  ${CMAKE_CURRENT_BINARY_DIR}/python_sdist ${PROJECT_BINARY_DIR})
+set_tests_properties(python_sdist PROPERTIES SKIP_RETURN_CODE 77)
