@@ -1,13 +1,17 @@
 """The Blender add-on in Blender, without a window. Run as:
 
-blender --background --factory-startup --python-exit-code 1 --python test_addon.py -- FOLDPROOF ADDON.zip DIRECTORY
+blender --background --factory-startup --python-exit-code 1 --python test_addon.py -- FOLDPROOF ADDON.zip DIRECTORY [NAME]
 
-DIRECTORY is empty, for the installed add-on and for what tests write.
+DIRECTORY is empty, for what tests write. The add-on is installed under its own name, or as NAME: Blender 4.2 calls an extension
+bl_ext.REPOSITORY.ID.
 """
 
+import addon_utils
+import importlib
 import json
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -21,10 +25,11 @@ import bmesh
 import bpy
 import numpy as np
 
-PROGRAM, ZIP, WORK = (pathlib.Path(a).resolve() for a in sys.argv[sys.argv.index("--") + 1 :])
+ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :]
+PROGRAM, ZIP, WORK = (pathlib.Path(a).resolve() for a in ARGUMENTS[:3])
 os.environ["TMPDIR"] = str(WORK)
 os.environ["PATH"] = f"{PROGRAM.parent}:{os.environ['PATH']}"
-NAME = "foldproof_addon"
+NAME = (ARGUMENTS + ["foldproof_addon"])[3]
 
 
 def addon(module):
@@ -798,7 +803,20 @@ class Addon(unittest.TestCase):
         self.assertEqual(list(markers()), [6])
 
 
-bpy.ops.preferences.addon_install(filepath=str(ZIP))
+def install_as_extension():
+    """Puts it where Python finds it by this name, and lets Blender 3.4 enable such names."""
+    to = pathlib.Path(bpy.utils.user_resource("SCRIPTS", path="addons"), *NAME.split("."))
+    to.parent.mkdir(parents=True)
+    shutil.unpack_archive(ZIP, to.parent)
+    (to.parent / "foldproof_addon").rename(to)
+    sys.path.append(str(to.parents[2]))
+    addon_utils.__import__ = importlib.import_module
+
+
+if "." in NAME:
+    install_as_extension()
+else:
+    bpy.ops.preferences.addon_install(filepath=str(ZIP))
 result = unittest.main(argv=["test_addon"], exit=False, verbosity=2).result
 if not result.wasSuccessful():
     raise SystemExit(1)
