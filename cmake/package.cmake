@@ -17,7 +17,8 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_program(DPKG_QUERY dpkg-query)
 file(GLOB ADDON CONFIGURE_DEPENDS blender/foldproof_addon/*)
 set(BUNDLED)
-if(TARGET foldproof_program AND DPKG_QUERY AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT FOLDPROOF_SANITIZE)
+if(TARGET foldproof_program AND DPKG_QUERY AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64"
+   AND NOT FOLDPROOF_SANITIZE AND NOT BUILD_SHARED_LIBS)
   add_custom_command(OUTPUT standalone/foldproof DEPENDS foldproof_program tools/standalone tools/libraries.py
     COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/standalone $<TARGET_FILE:foldproof_program>
       ${PROJECT_BINARY_DIR}/standalone)
@@ -30,7 +31,11 @@ if(FOLDPROOF_WINDOWS_PROGRAM)
 endif()
 add_custom_command(OUTPUT foldproof_addon.zip DEPENDS ${ADDON} tools/extension
   COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/extension ${PROJECT_BINARY_DIR}/foldproof_addon.zip ${BUNDLED})
-add_custom_target(blender_addon ALL DEPENDS ${PROJECT_BINARY_DIR}/foldproof_addon.zip)
+set(WITH_TESTS)
+if(FOLDPROOF_TESTS)
+  set(WITH_TESTS ALL)
+endif()
+add_custom_target(blender_addon ${WITH_TESTS} DEPENDS ${PROJECT_BINARY_DIR}/foldproof_addon.zip)
 
 # A page per header, with its example. What Doxygen warns of is an error.
 add_custom_target(docs WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} COMMENT "Writing out/docs"
