@@ -16,9 +16,13 @@ set(FOLDPROOF_WINDOWS_PROGRAM "" CACHE FILEPATH "foldproof.exe, for the extensio
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_program(DPKG_QUERY dpkg-query)
 file(GLOB ADDON CONFIGURE_DEPENDS blender/foldproof_addon/*)
-set(BUNDLED)
-if(TARGET foldproof_program AND DPKG_QUERY AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64"
+set(STANDALONE FALSE)
+if(TARGET foldproof_program AND DPKG_QUERY AND CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64"
    AND NOT FOLDPROOF_SANITIZE AND NOT BUILD_SHARED_LIBS)
+  set(STANDALONE TRUE)
+endif()
+set(BUNDLED)
+if(STANDALONE)
   add_custom_command(OUTPUT standalone/foldproof DEPENDS foldproof_program tools/standalone tools/libraries.py
     COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/standalone $<TARGET_FILE:foldproof_program>
       ${PROJECT_BINARY_DIR}/standalone)

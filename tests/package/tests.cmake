@@ -46,7 +46,7 @@ if(DPKG_SHLIBDEPS)
   add_test(NAME package_deb COMMAND sh ${CONSUMER}/deb.sh ${CMAKE_CPACK_COMMAND} ${PROJECT_BINARY_DIR} ${WORK}/deb ${FOLDPROOF_THREADS})
   set_tests_properties(package_deb PROPERTIES PASS_REGULAR_EXPRESSION "foldproof ${PROJECT_VERSION}" RUN_SERIAL ON)
 endif()
-if(DPKG_QUERY AND TARGET foldproof_program)
+if(STANDALONE)
   add_test(NAME package_standalone COMMAND sh ${CONSUMER}/standalone.sh ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}
     $<TARGET_FILE:foldproof_program> ${WORK}/standalone)
   set_tests_properties(package_standalone PROPERTIES PASS_REGULAR_EXPRESSION "first frame")
