@@ -14,8 +14,9 @@ namespace {
 // runs on the thread that starts it.
 class ThreadBudget {
  public:
+  /// Never destroyed: a limit may live until the program ends.
   static ThreadBudget& instance() {
-    static ThreadBudget budget;
+    static auto& budget = *new ThreadBudget;
     return budget;
   }
 
@@ -47,7 +48,13 @@ class ThreadBudget {
 
  private:
   // The thread sanitizer needs several threads to find races, whatever the machine has.
+#if defined(__SANITIZE_THREAD__)
   static constexpr unsigned kMinThreads = 4;
+#elif defined(__has_feature)
+  static constexpr unsigned kMinThreads = __has_feature(thread_sanitizer) ? 4 : 1;
+#else
+  static constexpr unsigned kMinThreads = 1;
+#endif
 
   int allowed() const { return limits_.empty() ? max_threads_ : *limits_.begin(); }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -170,6 +171,16 @@ TEST(ThreadLimit, HoldsWhileItLives) {
   EXPECT_EQ(threads_seen(), std::set{std::this_thread::get_id()});
   one.reset();
   EXPECT_LE(threads_seen().size(), 2u);
+}
+
+TEST(ThreadLimit, MayLiveAsLongAsTheProgram) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto end = [] {
+    static std::optional<ThreadLimit> limit;
+    limit.emplace(1);
+    std::exit(0);
+  };
+  EXPECT_EXIT(end(), ::testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
