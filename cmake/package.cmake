@@ -13,12 +13,12 @@ endif()
 
 # What Blender installs, with a program for Linux inside where Debian's packages give it its libraries and their licenses.
 set(FOLDPROOF_WINDOWS_PROGRAM "" CACHE FILEPATH "foldproof.exe, for the extension for Blender")
-find_package(Python3 REQUIRED COMPONENTS Interpreter)
+find_package(Python3 COMPONENTS Interpreter)
 find_program(DPKG_QUERY dpkg-query)
-file(GLOB ADDON CONFIGURE_DEPENDS blender/foldproof_addon/*)
+file(GLOB ADDON CONFIGURE_DEPENDS blender/foldproof_addon/*.py blender/foldproof_addon/*.toml)
 set(STANDALONE FALSE)
-if(TARGET foldproof_program AND DPKG_QUERY AND CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64"
-   AND NOT FOLDPROOF_SANITIZE AND NOT BUILD_SHARED_LIBS)
+if(TARGET foldproof_program AND Python3_FOUND AND DPKG_QUERY
+   AND CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT FOLDPROOF_SANITIZE AND NOT BUILD_SHARED_LIBS)
   set(STANDALONE TRUE)
 endif()
 set(BUNDLED)
@@ -33,13 +33,15 @@ if(FOLDPROOF_WINDOWS_PROGRAM)
   list(APPEND BUNDLED --windows ${FOLDPROOF_WINDOWS_PROGRAM})
   list(APPEND ADDON ${FOLDPROOF_WINDOWS_PROGRAM})
 endif()
-add_custom_command(OUTPUT foldproof_addon.zip DEPENDS ${ADDON} tools/extension
-  COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/extension ${PROJECT_BINARY_DIR}/foldproof_addon.zip ${BUNDLED})
-set(WITH_TESTS)
-if(FOLDPROOF_TESTS)
-  set(WITH_TESTS ALL)
+if(Python3_FOUND)
+  set(WITH_TESTS)
+  if(FOLDPROOF_TESTS)
+    set(WITH_TESTS ALL)
+  endif()
+  add_custom_command(OUTPUT foldproof_addon.zip DEPENDS ${ADDON} LICENSE tools/extension
+    COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/tools/extension ${PROJECT_BINARY_DIR}/foldproof_addon.zip ${BUNDLED})
+  add_custom_target(blender_addon ${WITH_TESTS} DEPENDS ${PROJECT_BINARY_DIR}/foldproof_addon.zip)
 endif()
-add_custom_target(blender_addon ${WITH_TESTS} DEPENDS ${PROJECT_BINARY_DIR}/foldproof_addon.zip)
 
 # A page per header, with its example. What Doxygen warns of is an error.
 add_custom_target(docs WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} COMMENT "Writing out/docs"
