@@ -6,7 +6,8 @@ set -e
 python=$1 source=$2 program=$3 where=$4
 "$python" -B "$source/tools/standalone" "$program" "$where/folder"
 ln -sf folder/foldproof "$where/link"
-"$where"/folder/lib/ld-linux* --library-path "$where/folder/lib" --list "$where/folder/lib/foldproof" |
+loader=$(echo "$where"/folder/lib/ld-linux*)
+"$loader" --library-path "$where/folder/lib" --list "$where/folder/lib/foldproof" |
   grep -v "$where/folder/lib/\|linux-vdso" && exit 1
 test -f "$where/folder/licenses/libc6.copyright"
 cd "$where"
