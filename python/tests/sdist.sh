@@ -3,7 +3,7 @@
 # Packs the source for pip, and configures it as pip does. Compiling would take minutes; instead, every file that BUILD, made by
 # Ninja, compiled for the module has to be there. Exit code 77, which ctest calls skipped, without Ninja.
 set -e
-python=$1 source=$2 where=$3 build=$4
+python=$1 source=$(realpath "$2") where=$3 build=$(realpath "$4")
 command -v ninja >/dev/null && test -f "$build/build.ninja" || exit 77
 rm -rf "$where"
 sh "$source/python/sdist.sh" "$python" "$source" "$where"
@@ -17,7 +17,7 @@ if grep "^PNG" build/CMakeCache.txt; then
   exit 1
 fi
 ninja -C "$build" -t deps >deps
-"$python" - "$(realpath "$source")" "$(realpath "$build")" <<'TEXT'
+"$python" - "$source" "$build" <<'TEXT'
 import os.path
 import pathlib
 import re
