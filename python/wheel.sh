@@ -8,4 +8,4 @@ trap 'rm -rf "$work"' EXIT
 printf '[build]\nbuild_base = %s\n[egg_info]\negg_base = %s\n' "$work/build" "$work" >"$work/elsewhere.cfg"
 FOLDPROOF_BUILD=$build DIST_EXTRA_CONFIG=$work/elsewhere.cfg \
   "$python" -m pip wheel --quiet --no-build-isolation --no-index --no-deps --wheel-dir "$work" "$source"
-"$python" "$source/tools/wheel" "$work"/*.whl "$out"
+"$python" -B "$source/tools/wheel" "$work"/*.whl "$out"
