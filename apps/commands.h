@@ -25,7 +25,7 @@ Command add_render(CommandLine& program);
 Command add_radius(CommandLine& program);
 Command add_sample(CommandLine& program);
 Command add_demo(CommandLine& program);
-Command add_repair(CommandLine& program);
+Command add_repair(CommandLine& program, std::span<char* const> arguments);
 /// `program` must outlive the returned function.
 Command add_view(CommandLine& program);
 /// `arguments`: the command line, which reports quote.

@@ -25,7 +25,7 @@ Result<int> run(int argc, char** argv) {
   const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
   const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)},
                                                                  {"view", add_view(program)},
-                                                                 {"repair", add_repair(program)},
+                                                                 {"repair", add_repair(program, arguments)},
                                                                  {"report", add_report(program, arguments)},
                                                                  {"sweep", add_sweep(program, arguments)},
                                                                  {"train", add_train(program)},

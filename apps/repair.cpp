@@ -7,6 +7,8 @@
 #include "commands.h"
 #include "contact_lines.h"
 #include "interruptible_motion.h"
+#include "page/repaired_report.h"
+#include "page_files.h"
 #include "progress_bar.h"
 #include "report/repair_files.h"
 #include "report/repair_report.h"
@@ -26,11 +28,11 @@ Examples:
   foldproof repair walk.glb -o fixed.glb
   foldproof repair body.npz shirt.npz --fixed body.npz -o shirt-fixed.npz     only the shirt moves
   foldproof repair pose.obj -o fixed.obj
-  foldproof repair walk.glb --thickness 0.002 --falloff 0.05 -o apart.npz)";
+  foldproof repair walk.glb --thickness 0.002 --falloff 0.05 -o apart.npz --report apart.html)";
 
 struct RepairArguments : StepArguments {
   std::vector<std::string> outputs, fixed, only, start;
-  std::string json;
+  std::string json, page, command;
   double falloff = 0;
   Index in_betweens = 0;
   bool quick = false, keep = false, quiet = false, all_contacts = false;
@@ -122,6 +124,8 @@ Result<int> run_repair(const RepairArguments& a) {
   auto settings = FOLDPROOF_TRY(step_settings(a));
   FOLDPROOF_TRY(require_number("--falloff", a.falloff, true));
   FOLDPROOF_TRY(a.files.check());
+  std::vector<PageFile> files;
+  if (!a.page.empty()) files = FOLDPROOF_TRY(require_page_files());
   std::optional<ThreadLimit> limit;
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.motion.read, a.quiet));
@@ -148,6 +152,8 @@ Result<int> run_repair(const RepairArguments& a) {
   if (!done) return tl::unexpected(by_options(done.error(), a));
   if (done->report.written) FOLDPROOF_TRY(write_outputs(outputs, motions, request, *done));
   if (!a.json.empty()) FOLDPROOF_TRY(write_repair_json(a.json, motions, request, done->report));
+  if (!a.page.empty())
+    FOLDPROOF_TRY(write_repaired_report(a.page, motions, request, *done, a.command, files));
   if (!a.quiet) print_output(summary_of(a, motions, request, done->report));
   if (done->report.interrupted) return kExitInterrupted;
   return exit_code(done->report.free);
@@ -170,6 +176,12 @@ void add_output_options(const Subcommand& command, RepairArguments& a) {
                                  "What was done, frame by frame, and all contacts; - is standard output"),
               FileArguments::Output::Text)
       .type_name("FILE");
+  a.files
+      .writes(command.add_option("--report", a.page,
+                                 "A page with pictures of contacts before and after, how far each frame was "
+                                 "moved, and what remains"),
+              FileArguments::Output::File, {".html", ".htm"})
+      .type_name("FILE");
   command.add_flag("--keep", a.keep, "After Ctrl-C, write the frames that are finished");
   command.add_flag("--contacts", a.all_contacts,
                    fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts));
@@ -178,11 +190,12 @@ void add_output_options(const Subcommand& command, RepairArguments& a) {
 
 }  // namespace
 
-Command add_repair(CommandLine& program) {
+Command add_repair(CommandLine& program, std::span<char* const> arguments) {
   const Subcommand command =
       program.add_subcommand("repair", "Write the nearest motion that touches nothing, proven");
   command.footer(std::string(kMotionHelp) + kRepairFooter);
   const auto a = std::make_shared<RepairArguments>();
+  a->command = command_line(arguments);
   a->files.reads(command.add_option("MOTION", a->motions, "What to repair (see below)"))
       .type_name("")
       .required();

@@ -178,3 +178,36 @@ test('is one file that asks for no other', () => {
   const text = readFileSync(file, 'utf8');
   assert.doesNotMatch(text, /<(?:script|img|link)[^>]+(?:src|href)="(?!data:)/);
 });
+
+test('shows what a repair did, before and after', async () => {
+  const out = join(folder, 'repaired.html');
+  run('repair', ...makeTube('bent', { frames: 24 }), '-o', join(folder, 'bent.npz'), '--report', out, '--quiet');
+  const { page, verdict, kind, text, close } = await read(out);
+  assert.equal(verdict, 'Proven: nothing touches, in no frame and at no time between frames');
+  assert.equal(kind, 'free');
+  assert.match(text, /\d+ of them were moved, by at most [\d.]+ in frame \d+/);
+  const pictures = await page.locator('.comparison img').evaluateAll((images) => images.map(({ src, alt, naturalWidth }) => ({ src, alt, naturalWidth })));
+  assert.ok(pictures.length >= 2 && pictures.every(({ naturalWidth }) => naturalWidth > 0));
+  assert.match(pictures[0].alt, /^Frame \d+, before$/);
+  assert.equal(pictures[1].alt, pictures[0].alt.replace('before', 'after'));
+  assert.notEqual(pictures[0].src, pictures[1].src);
+  assert.equal(await page.locator('.comparison .answer.free').count(), await page.locator('.comparison').count());
+  assert.equal(await page.locator('.bars i').count(), 24);
+  assert.equal(await page.locator('.contacts').count(), 0, 'nothing remains');
+  await close();
+});
+
+test('shows what a repair left', async () => {
+  const out = join(folder, 'left.html');
+  const objects = [...makeSpheres('held', { frames: 4 }), ...makeSpheres('other', { frames: 4 })];
+  run('repair', ...objects, '--fixed', 'held', '--frames', '0:1', '-o', join(folder, 'left.npz'), '--report', out, '--quiet');
+  const { page, verdict, kind, text, close } = await read(out);
+  assert.equal(verdict, 'No frame is free and none could be made so: nothing was written');
+  assert.equal(kind, 'hit');
+  assert.equal(await page.locator('.comparison img').count(), await page.locator('.comparison').count(), 'only before');
+  assert.match(text, /What remains: \d+ contacts?/);
+  assert.match(text, /What may not move, with itself: 1 contact/);
+  assert.match(text, /remains\s+Frame \d+, before/);
+  assert.match(text, /fixed\s+held/);
+  await close();
+});

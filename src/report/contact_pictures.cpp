@@ -31,6 +31,11 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
+// When its worst frame is, or the first impact if it crosses in no frame.
+double time_shown(const Contact& contact) {
+  return contact.frames.empty() ? contact.first_time : contact.frames[contact.worst].time;
+}
+
 }  // namespace
 
 std::optional<View::Focus> focus_on(const Contact& contact, double size) {
@@ -70,25 +75,27 @@ std::string data_url(std::string_view png) { return "data:image/png;base64," + b
 
 Result<ContactPictures> ContactPictures::open(Motions motions, const CheckSettings& settings) {
   const auto extent = FOLDPROOF_TRY(extent_of(motions));
-  return ContactPictures(motions, select_frames(settings.frames, motions[0]->frame_count()), extent.up);
+  const auto frames = select_frames(settings.frames, motions[0]->frame_count());
+  return ContactPictures({motions, {frames.begin(), frames.end()}, frames}, extent.up);
 }
 
-/// Reads the pose at a time in frames, on the straight way between two that were checked.
-Result<void> ContactPictures::read(double time) {
-  const auto after = std::lower_bound(frames_.begin(), frames_.end(), time);
-  const Index next = after == frames_.end() ? frames_.back() : *after;
-  const Index previous = after == frames_.begin() || next <= time ? next : *std::prev(after);
-  const double t = next == previous ? 0 : (time - previous) / (next - previous);
-  pose_.resize(motions_.size());
+/// Reads the pose at a time, on the straight way between two frames.
+Result<void> ContactPictures::read(const Frames& frames, double time) {
+  const auto& [motions, times, numbers] = frames;
+  const auto after = static_cast<std::size_t>(std::ranges::lower_bound(times, time) - times.begin());
+  const std::size_t next = std::min(after, times.size() - 1);
+  const std::size_t previous = next == 0 || times[next] <= time ? next : next - 1;
+  const double t = next == previous ? 0 : (time - times[previous]) / (times[next] - times[previous]);
+  pose_.resize(motions.size());
   box_.setEmpty();
   std::vector<double> end;
-  for (std::size_t i = 0; i < motions_.size(); ++i) {
+  for (std::size_t i = 0; i < motions.size(); ++i) {
     std::vector<double>& x = pose_[i];
-    x.resize(std::size_t{motions_[i]->topology().vertex_count()} * 3);
-    FOLDPROOF_TRY(motions_[i]->read_frame(previous, x));
+    x.resize(std::size_t{motions[i]->topology().vertex_count()} * 3);
+    FOLDPROOF_TRY(motions[i]->read_frame(numbers[previous], x));
     end.resize(x.size());
     if (t > 0) {
-      FOLDPROOF_TRY(motions_[i]->read_frame(next, end));
+      FOLDPROOF_TRY(motions[i]->read_frame(numbers[next], end));
     }
     for (std::size_t k = 0; t > 0 && k < x.size(); ++k) x[k] = std::lerp(x[k], end[k], t);
     box_.extend(box_of(x));
@@ -98,41 +105,55 @@ Result<void> ContactPictures::read(double time) {
 
 std::vector<PictureMesh> ContactPictures::meshes() const {
   std::vector<PictureMesh> meshes;
-  for (std::size_t i = 0; i < motions_.size(); ++i)
-    meshes.push_back({.topology = &motions_[i]->topology(), .positions = pose_[i]});
+  for (std::size_t i = 0; i < pose_.size(); ++i)
+    meshes.push_back({.topology = &checked_.motions[i]->topology(), .positions = pose_[i]});
   return meshes;
 }
 
 Result<View> ContactPictures::view(const Contact& contact, Up up) {
-  const bool crosses = !contact.frames.empty();
-  FOLDPROOF_TRY(read(crosses ? contact.frames[contact.worst].time : contact.first_time));
+  FOLDPROOF_TRY(read(checked_, time_shown(contact)));
   const auto shown = meshes();
-  if (crosses) return view_of(shown, marks_of(contact, shown), contact.curves, contact.normal, up);
+  if (!contact.frames.empty())
+    return view_of(shown, marks_of(contact, shown), contact.curves, contact.normal, up);
   return contact.normal == Vec3::Zero() ? default_view(up) : view_along(contact.normal, up);
 }
 
 Result<std::string> ContactPictures::draw(const Contact& contact, const Format& format) {
   const View direction = FOLDPROOF_TRY(view(contact, up_));  // reads the pose
+  return draw_pose(contact, direction, true, format);
+}
+
+Result<std::string> ContactPictures::draw_in(Motions others, std::span<const double> times,
+                                             const Contact& contact, const Format& format) {
+  const View direction = FOLDPROOF_TRY(view(contact, up_));
+  Frames frames{others, {times.begin(), times.end()}, {}};
+  for (Index k = 0; k < times.size(); ++k) frames.numbers.push_back(k);
+  FOLDPROOF_TRY(read(frames, time_shown(contact)));
+  return draw_pose(contact, direction, false, format);
+}
+
+Result<std::string> ContactPictures::draw_pose(const Contact& contact, const View& direction,
+                                               bool shows_curves, const Format& format) const {
   Panel whole{.meshes = meshes(), .view = direction};
   const ContactMarks marks = marks_of(contact, whole.meshes);
   std::vector<std::vector<Color>> colors;
-  for (std::size_t i = 0; i < motions_.size(); ++i) {
+  for (std::size_t i = 0; i < marks.size(); ++i) {
     colors.emplace_back(marks[i].size(), colors::kClay);
     for (std::size_t t = 0; t < marks[i].size(); ++t)
       if (marks[i][t]) colors[i][t] = kSideColors[marks[i][t] - 1];
   }
-  for (std::size_t i = 0; i < motions_.size(); ++i) whole.meshes[i].face_colors = colors[i];
+  for (std::size_t i = 0; i < marks.size(); ++i) whole.meshes[i].face_colors = colors[i];
   std::vector<Panel> panels{whole};
   const double size = box_.sizes().maxCoeff();
   const auto focus = focus_on(contact, size);
   if (focus && format.near) {
     panels.push_back(whole);
     panels.back().view.focus = focus;
-    if (!contact.frames.empty()) {
+    if (shows_curves && !contact.frames.empty()) {
       const double radius = focus->radius / 150;
       panels.back().points.push_back(dots_along(contact, radius));
       panels.back().points.back().size = std::clamp(radius / size, 1e-9, 1.0);
-    } else {
+    } else if (shows_curves) {
       panels.back().points.push_back({.positions = {contact.point}, .size = 0.006});  // where they touch
     }
   }
@@ -140,7 +161,7 @@ Result<std::string> ContactPictures::draw(const Contact& contact, const Format& 
 }
 
 Result<std::string> ContactPictures::draw_first_frame(const Format& format) {
-  FOLDPROOF_TRY(read(frames_.front()));
+  FOLDPROOF_TRY(read(checked_, checked_.times.front()));
   const Panel panel{.meshes = meshes(), .view = default_view(up_)};
   return png_of(std::span(&panel, 1), format);
 }

@@ -36,6 +36,10 @@ class ContactPictures {
   /// A PNG of a contact in its worst frame, or at its first impact if nothing crosses in a frame. Its
   /// sides have kSideColors. Cost: half a second for 70,000 triangles.
   Result<std::string> draw(const Contact& contact, const Format& format);
+  /// The same without curves, of other motions of the same objects: the same triangles, from the same side,
+  /// at the same time. `times`: of each of their frames, ascending, in frames of what was checked; not empty.
+  Result<std::string> draw_in(Motions others, std::span<const double> times, const Contact& contact,
+                              const Format& format);
   /// The direction from which draw() looks at a contact, if `up` points up.
   Result<View> view(const Contact& contact, Up up);
   Up up() const { return up_; }
@@ -43,13 +47,18 @@ class ContactPictures {
   Result<std::string> draw_first_frame(const Format& format);
 
  private:
-  ContactPictures(Motions motions, std::vector<Index> frames, Up up)
-      : motions_(motions), frames_(std::move(frames)), up_(up) {}
-  Result<void> read(double time);
+  struct Frames {
+    Motions motions;
+    std::vector<double> times;
+    std::vector<Index> numbers;
+  };
+  ContactPictures(Frames checked, Up up) : checked_(std::move(checked)), up_(up) {}
+  Result<void> read(const Frames& frames, double time);
   std::vector<PictureMesh> meshes() const;
+  Result<std::string> draw_pose(const Contact& contact, const View& direction, bool shows_curves,
+                                const Format& format) const;
 
-  Motions motions_;
-  std::vector<Index> frames_;  // that were checked
+  Frames checked_;
   Up up_;
   std::vector<std::vector<double>> pose_;  // per object
   Eigen::AlignedBox3d box_;                // around the pose

@@ -23,7 +23,7 @@ const kOccurrences = 12; // listed on a card
 
 const time = (value: number): string => String(Number(value.toPrecision(6)));
 
-function when(contacts: Contact[]): string {
+export function framesText(contacts: Contact[]): string {
   const crossing = contacts.filter(({ frames }) => frames.length > 0);
   const [noun, spans] = crossing.length > 0 ? ['frame', crossing.map(({ frames }) => [frames[0]!.time, frames.at(-1)!.time])] : ['time', contacts.map(({ first_time, last_time }) => [first_time, last_time])];
   const [first, last] = [Math.min(...spans.map(([from]) => from!)), Math.max(...spans.map(([, to]) => to!))];
@@ -31,13 +31,13 @@ function when(contacts: Contact[]): string {
 }
 
 /** How large it is, in a few words. */
-function size(contact: Contact, scale: Scale): string {
+export function sizeText(contact: Contact, scale: Scale): string {
   const frame = worstOf(contact);
   return frame ? depthText(frame, scale.unit) : touchText(scale.unknownFrames, scale.single);
 }
 
 /** The sides in the colors of the picture. */
-function title(contact: Contact): HTMLElement {
+export function title(contact: Contact): HTMLElement {
   const [a, b] = [contact.sides[0]!, contact.sides[1]!];
   const side = (name: string, color: string) => el('span', { className: 'side' }, el('span', { className: 'swatch', style: { background: color } }), name);
   const both = a.name === b.name ? [el('span', {}, namesText(contact))] : [side(a.name, 'var(--side-a)'), side(b.name, 'var(--side-b)')];
@@ -47,8 +47,8 @@ function title(contact: Contact): HTMLElement {
 function facts({ contacts }: Group, scale: Scale): [string, string][] {
   const contact = contacts[0]!;
   const frame = worstOf(contact);
-  const rows: [string, string][] = [[contact.frames.length > 0 ? 'crosses in' : 'touches at', when(contacts)]];
-  if (contacts.length > 1) rows.push(['in all', contacts.map((each) => `${when([each])}: ${size(each, scale)}`).slice(0, kOccurrences).join('; ') + (contacts.length > kOccurrences ? `; and ${contacts.length - kOccurrences} more` : '')]);
+  const rows: [string, string][] = [[contact.frames.length > 0 ? 'crosses in' : 'touches at', framesText(contacts)]];
+  if (contacts.length > 1) rows.push(['in all', contacts.map((each) => `${framesText([each])}: ${sizeText(each, scale)}`).slice(0, kOccurrences).join('; ') + (contacts.length > kOccurrences ? `; and ${contacts.length - kOccurrences} more` : '')]);
   if (frame) {
     rows.push(['worst frame', `${time(frame.time)}: ${counted(frame.triangles, 'triangle')}`]);
     rows.push(['curves', `${lengthText(frame.curve_length, scale.unit)} long${frame.closed ? ', closed' : ', open'}`]);
@@ -64,8 +64,8 @@ function card(group: Group, scale: Scale): HTMLElement {
   const contact = group.contacts[0]! as PicturedContact;
   const list = el('dl', {});
   for (const [key, value] of facts(group, scale)) list.append(el('dt', {}, key), el('dd', {}, value));
-  const pictured = contact.picture ? el('img', { src: contact.picture, alt: `${namesText(contact)}, ${when([contact])}` }) : null;
-  return el('article', { className: 'contact', id: `contact-${contact.number}` }, el('header', {}, title(contact), el('b', {}, [group.often, size(contact, scale)].filter(Boolean).join(', '))), pictured, list);
+  const pictured = contact.picture ? el('img', { src: contact.picture, alt: `${namesText(contact)}, ${framesText([contact])}` }) : null;
+  return el('article', { className: 'contact', id: `contact-${contact.number}` }, el('header', {}, title(contact), el('b', {}, [group.often, sizeText(contact, scale)].filter(Boolean).join(', '))), pictured, list);
 }
 
 /** Where in the motion the contacts of each group are, the darker the deeper. */
@@ -82,7 +82,7 @@ function lanes(groups: Group[], scale: Scale): HTMLElement {
   for (const { contacts, often } of groups.slice(0, kLaneLimit)) {
     const worst = contacts[0]!;
     const mark = worst.worst === null ? null : el('i', { className: 'worst', style: { left: at(worst.worst) } });
-    const text = `${namesText(worst)}, ${when(contacts)}, ${[often, size(worst, scale)].filter(Boolean).join(', ')}`;
+    const text = `${namesText(worst)}, ${framesText(contacts)}, ${[often, sizeText(worst, scale)].filter(Boolean).join(', ')}`;
     box.append(el('a', { href: `#contact-${worst.number}`, title: text, 'aria-label': text }, el('span', { className: 'label' }, worst.named ? namesText(worst) : `#${worst.number}`), el('span', { className: 'track' }, ...contacts.map(bar), mark)));
   }
   box.append(el('div', { className: 'axis' }, el('span', {}, `frame ${time(scale.low)}`), el('span', {}, time(scale.high))));
@@ -94,13 +94,13 @@ function rest(groups: Group[], scale: Scale): HTMLElement | null {
   if (groups.length === 0) return null;
   const row = ({ contacts, often }: Group) => {
     const worst = contacts[0]!;
-    return el('tr', { id: `contact-${worst.number}` }, el('td', {}, worst.named ? namesText(worst) : `#${worst.number}`), el('td', {}, when(contacts)), el('td', {}, often), el('td', { className: 'number' }, size(worst, scale)));
+    return el('tr', { id: `contact-${worst.number}` }, el('td', {}, worst.named ? namesText(worst) : `#${worst.number}`), el('td', {}, framesText(contacts)), el('td', {}, often), el('td', { className: 'number' }, sizeText(worst, scale)));
   };
   return el('div', { className: 'wide' }, el('table', {}, el('tbody', {}, ...groups.map(row))));
 }
 
 /** All contacts, the worst first; null if there are none. `count`: of all, also those that are not listed. `unlisted`: what they leave out, if anything. */
-export function contactsSection(contacts: PicturedContact[], count: number, unlisted: string | undefined, scale: Scale): HTMLElement | null {
+export function contactsSection(contacts: PicturedContact[], count: number, unlisted: string | undefined, scale: Scale, heading?: string): HTMLElement | null {
   if (contacts.length === 0) return null;
   const groups = groupsOf(contacts);
   const pictured = groups.filter((group) => (group.contacts[0] as PicturedContact).picture);
@@ -109,7 +109,7 @@ export function contactsSection(contacts: PicturedContact[], count: number, unli
   return el(
     'section',
     { className: 'contacts' },
-    el('h2', {}, count === 1 ? 'The contact' : `${grouped(count)} contacts, the worst first`),
+    el('h2', {}, heading ? `${heading}: ${counted(count, 'contact')}` : count === 1 ? 'The contact' : `${grouped(count)} contacts, the worst first`),
     unlisted && el('p', { className: 'note' }, unlisted),
     scale.high > scale.low ? lanes(groups, scale) : null,
     el('div', { className: 'cards' }, ...cards.map((group) => card(group, scale))),

@@ -2,10 +2,12 @@
 import '../shared/base.css';
 import './report.css';
 import { contactsSection, type PicturedContact, type Scale } from './contacts';
+import { repairSections, type RepairData } from './repair';
+import { section, table } from './tables';
 import { Charts } from '../shared/charts';
 import { css, kReasons } from '../shared/colors';
 import { unlistedText } from '../shared/contact';
-import { append, el, notesOfReaders } from '../shared/dom';
+import { el, notesOfReaders } from '../shared/dom';
 import { counted, grouped, milliseconds, percent, short, toiText } from '../shared/format';
 import { collisionsOf, spanOf, stepText, type Step } from '../shared/steps';
 import { applyTheme, onTheme, startTheme, themeButton } from '../shared/theme';
@@ -18,11 +20,16 @@ interface Counts {
   tt?: number; // in a static check
 }
 
-interface Data {
+/** Who made it, and how. */
+interface Made {
   program: string;
   version: string;
   made: string;
   command: string;
+  objects: { name: string }[];
+}
+
+interface Data extends Made {
   objects: { name: string; vertices: number; triangles: number; frames: number; model: string | null | { name: string }; notes?: string[]; unchecked?: string[] }[];
   settings: Record<string, unknown>;
   start: Start | null; // null if it was not tested
@@ -49,27 +56,6 @@ interface Data {
 }
 
 const kChartHeight = 190;
-
-const numberCell = (text: string): HTMLElement => el('td', { className: 'number' }, text);
-
-function table(heads: string[], rows: (string | HTMLElement)[][], numbers: boolean[]): HTMLElement {
-  const cell = (value: string | HTMLElement, k: number) => (numbers[k] && typeof value === 'string' ? numberCell(value) : el('td', {}, value));
-  return el(
-    'div',
-    { className: 'wide' },
-    el(
-      'table',
-      {},
-      append_(el('thead', {}), [append_(el('tr', {}), heads.map((head, k) => el('th', { className: numbers[k] ? 'number' : '' }, head)))]),
-      append_(el('tbody', {}), rows.map((row) => append_(el('tr', {}), row.map(cell)))),
-    ),
-  );
-}
-
-function append_<T extends HTMLElement>(parent: T, children: HTMLElement[]): T {
-  append(parent, ...children);
-  return parent;
-}
 
 const total = (counts: number | Counts): number => (typeof counts === 'number' ? counts : counts.vf + counts.ee + (counts.tt ?? 0));
 
@@ -151,10 +137,6 @@ function reasonsTable(data: Data): HTMLElement | null {
   return section('What was proven, and why not the rest', el('p', {}, 'Pairs of leaves, patches of a dozen triangles or so, whose boxes come near each other; sums over everything that was checked.'), table(['', 'leaf pairs', 'share', ''], rows, [false, true, true, false]));
 }
 
-function section(title: string, ...content: (HTMLElement | null)[]): HTMLElement {
-  return el('section', {}, el('h2', {}, title), ...content);
-}
-
 function worstSteps(data: Data, substeps: number): HTMLElement | null {
   const poses = isStatic(data.settings);
   const { step, collisions } = wordsOf(poses);
@@ -201,7 +183,6 @@ function build(data: Data): void {
   const substeps = Number(data.settings['substeps'] ?? 1) || 1;
   const { listed, collisions, contacts } = data.totals;
   const verdict = sayAnswer(data.verdict);
-  document.title = `${data.objects.map(({ name }) => name).join(', ')} – ${data.program} report`;
   const charts = data.steps.length > 0 && !isSingle(data) ? makeCharts(data, substeps) : null;
   const model = (value: Data['objects'][number]['model']) => (value === null ? 'none' : typeof value === 'string' ? value : value.name);
   const page = el(
@@ -222,19 +203,18 @@ function build(data: Data): void {
     isSingle(data) ? null : worstSteps(data, substeps),
     reasonsTable(data),
     section('Settings', table(['setting', 'value'], Object.entries(data.settings).map(([key, value]) => [key, plain(value)]), [false, false]), isStatic(data.settings) ? null : el('p', { className: 'note' }, `Largest tolerance used: ${short(data.totals.tolerance)} mesh units.`)),
-    el('footer', {}, el('p', {}, `Made by ${data.program} ${data.version} on ${data.made} with`), el('pre', {}, data.command)),
+    footer(data),
   );
   document.body.replaceChildren(page);
   if (!charts) return;
   charts.charts.setSteps(data.steps);
   if (data.start && data.start.crossings > 0) charts.charts.setStart(data.start.frame, startText(data.start));
   onTheme(() => charts.charts.restyle());
-  // Print in the light theme.
-  window.addEventListener('beforeprint', () => {
-    document.documentElement.dataset['theme'] = 'light';
-    charts.charts.restyle();
-  });
-  window.addEventListener('afterprint', applyTheme);
+  window.addEventListener('beforeprint', () => charts.charts.restyle());
+}
+
+function footer({ program, version, made, command }: Made): HTMLElement {
+  return el('footer', {}, el('p', {}, `Made by ${program} ${version} on ${made} with`), el('pre', {}, command));
 }
 
 function scaleOf(data: Data): Scale {
@@ -251,6 +231,15 @@ function firstFrame({ picture, start, steps }: Data): HTMLElement | null {
 }
 
 startTheme();
+// Print in the light theme.
+window.addEventListener('beforeprint', () => (document.documentElement.dataset['theme'] = 'light'));
+window.addEventListener('afterprint', applyTheme);
 const source = document.getElementById('data');
-if (source?.textContent) build(JSON.parse(source.textContent) as Data);
-else document.body.append(el('p', {}, 'This report has no data in it: make it again with foldproof report.'));
+if (source?.textContent) {
+  const data = JSON.parse(source.textContent) as Data | (Made & RepairData);
+  document.title = `${data.objects.map(({ name }) => name).join(', ')} – ${data.program} report`;
+  if ('repair' in data) document.body.replaceChildren(el('main', { className: 'report' }, ...repairSections(data), footer(data)));
+  else build(data);
+} else {
+  document.body.append(el('p', {}, 'This report has no data in it: make it again with foldproof report.'));
+}
