@@ -32,6 +32,7 @@ Examples:
 
 struct RepairArguments : StepArguments {
   std::vector<std::string> outputs, fixed, only, start;
+  std::vector<std::pair<std::string, std::string>> contacts;
   std::string json, page, command;
   double falloff = 0;
   Index in_betweens = 0;
@@ -101,13 +102,14 @@ std::string summary_of(const RepairArguments& a, Motions motions, const RepairRe
           colored(printable(repair_verdict(motions, request, report).sentence.text()),
                   report.free ? Tone::Good : Tone::Bad) +
           "\n";
-  if (!report.free && a.start.empty() && a.models.empty())
+  if (!report.free && report.left.empty() && a.start.empty() && a.models.empty())
     text += "A pose that touches nothing may help (--start FILE or --model FILE).\n";
   const auto listed = [&](const std::vector<Contact>& contacts) {
     return contact_lines(motions, settings, contact_totals(contacts, report),
                          a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);
   };
   text += listed(report.remaining);
+  if (!report.left.empty()) text += "\nWhat was left:\n" + listed(report.left);
   if (!report.among_fixed.empty())
     text += "\nWhat may not move touches itself, and was left so:\n" + listed(report.among_fixed);
   return text;
@@ -131,6 +133,7 @@ Result<int> run_repair(const RepairArguments& a) {
   const auto motions = FOLDPROOF_TRY(read_motions(a.motions, a.motion.read, a.quiet));
   settings.models = FOLDPROOF_TRY(load_models(a.models, motions));
   RepairRequest request{settings, {}, a.fixed, a.only};
+  for (const auto& [one, other] : a.contacts) request.between.push_back({one, other});
   request.repair.falloff = a.falloff;
   request.repair.calm = !a.quick;
   request.repair.keep = a.keep;
@@ -221,6 +224,12 @@ Command add_repair(CommandLine& program, std::span<char* const> arguments) {
       .type_name("D")
       .group(group);
   command.add_option("--ignore", a->ignore, "Pairs of two objects or parts that may touch, by name")
+      .type_name("A B")
+      .one_value_each_time()
+      .group(group);
+  command
+      .add_option("--contact", a->contacts,
+                  "Repair only contacts of these two objects or parts, by name, and leave all others")
       .type_name("A B")
       .one_value_each_time()
       .group(group);

@@ -55,6 +55,9 @@ struct RepairSettings {
   /// Poses of the same form that may touch nothing, such as a model's: the repair starts in the first of
   /// these that does not. Called at most once, and only where no frame is free; null: there are none.
   std::function<Result<std::vector<std::vector<double>>>()> poses = nullptr;
+  /// Only contacts for which this is true are repaired; what touches in all others may go on touching, and so
+  /// may triangles next to it. Null: all are.
+  std::function<bool(const Contact&)> chosen = nullptr;
   /// When interrupted, write the frames that are finished so far.
   bool keep = false;
   /// Asked several times a frame, from the thread that called repair: whether to stop.
@@ -83,7 +86,7 @@ struct RepairedFrame {
 
 struct RepairReport {
   /// Proven: nothing that was not ignored touches at any time, while vertices move straight from each frame
-  /// that was written to the next, but maybe what may not move, with itself (among_fixed).
+  /// that was written to the next, but maybe what may not move, with itself (among_fixed), and what was left.
   bool free = false;
   /// The motion came back as it was: it was free.
   bool unchanged = false;
@@ -96,6 +99,7 @@ struct RepairReport {
   std::vector<RepairedFrame> frames;
   std::vector<Contact> before;     ///< Contacts of the input.
   std::vector<Contact> remaining;  ///< Contacts of what was written, or would have been.
+  std::vector<Contact> left;       ///< Those of what was written that were not RepairSettings::chosen.
   /// Contacts of what may not move with itself, in no other list; without regard to the thickness. Empty: it
   /// is proven that there are none.
   std::vector<Contact> among_fixed;

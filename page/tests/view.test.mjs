@@ -409,6 +409,14 @@ test('repairs one object beside another that may not move', async () => {
     await until(page, (s) => s.repaired, 'the repaired motion', 30_000);
     assert.match(await textOf(page, '.stage > .badge'), /but what may not move, with itself/);
     assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save shirt-repaired.npz']);
+    // Only the contacts of a card, and what stays is said.
+    await page.click('.contacts .contact >> text=body with itself');
+    await page.click('.contact[aria-selected=true] >> text=Repair only this');
+    assert.match(await textOf(page, '.repair .form'), /^Only this is repaired: body with itself\. Other contacts stay\./);
+    await page.click('.repair label >> text=body');
+    await page.click('.repair .form button >> text=Repair');
+    await page.waitForSelector('.repair >> text=/^Save body/', { timeout: 30_000 });
+    assert.match(await textOf(page, '.repair .verdict'), /what was chosen is gone.* left as it was: body and shirt go through each other/);
   });
   await clothed.end();
 });

@@ -113,6 +113,7 @@ struct Page::Impl {
   std::optional<PageAnswer> missing_step(std::uint64_t number) const;
   PageAnswer not_yet(const std::string& what) const;
   tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> contacts_found() const;
+  tl::expected<std::shared_ptr<const Contact>, PageAnswer> contact_found(std::uint64_t k) const;
   Result<View> view_of_contact(const Contact& contact, Up up) const;
   bool advance(const std::atomic<bool>& stop);
   void end_check(State end, std::string line);
@@ -128,6 +129,20 @@ std::optional<std::uint64_t> number_of(const PageQuery& query, std::string_view 
 }
 
 PageAnswer no_number(std::string_view name) { return refuse(400, fmt::format("'{}' is no number", name)); }
+
+/// Numbers with commas between; none if the parameter is absent.
+tl::expected<std::vector<std::uint64_t>, PageAnswer> numbers_of(const PageQuery& query,
+                                                                std::string_view name) {
+  std::vector<std::uint64_t> numbers;
+  const auto named = query.find(name);
+  for (const auto& text : split(named == query.end() ? std::string_view() : named->second, ',')) {
+    if (text.empty()) continue;
+    const auto number = number_in(text);
+    if (!number) return tl::unexpected(no_number(name));
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
 
 /// The requested part of a list.
 struct Part {
@@ -328,15 +343,20 @@ PageAnswer Page::Impl::contacts(Numbers, const PageQuery& query) const {
   return json_answer((*all)->json(part->offset, part->limit));
 }
 
-PageAnswer Page::Impl::contact(Numbers n, const PageQuery& query) const {
+tl::expected<std::shared_ptr<const Contact>, PageAnswer> Page::Impl::contact_found(std::uint64_t k) const {
   const auto all = contacts_found();
-  if (!all) return all.error();
-  const std::size_t count = (*all)->contacts.size();
-  if (n[0] >= count) return refuse(404, fmt::format("there is no contact {} among {}", n[0], count));
-  Json json = (*all)->json(n[0]);
+  if (!all) return tl::unexpected(all.error());
+  const auto& contacts = (*all)->contacts;
+  if (k < contacts.size()) return std::shared_ptr<const Contact>(*all, &contacts[k]);
+  return tl::unexpected(refuse(404, fmt::format("there is no contact {} among {}", k, contacts.size())));
+}
+
+PageAnswer Page::Impl::contact(Numbers n, const PageQuery& query) const {
+  const auto contact = contact_found(n[0]);
+  if (!contact) return contact.error();
+  Json json = (*contacts_found())->json(n[0]);
   const auto up = query.find("up");
-  const auto view =
-      view_of_contact((*all)->contacts[n[0]], up != query.end() && up->second == "z" ? Up::Z : Up::Y);
+  const auto view = view_of_contact(**contact, up != query.end() && up->second == "z" ? Up::Z : Up::Y);
   if (!view) return refuse(view.error());
   json["view"] = {view->from.x(), view->from.y(), view->from.z()};
   return json_answer(json);
@@ -349,16 +369,27 @@ Result<View> Page::Impl::view_of_contact(const Contact& contact, Up up) const {
 }
 
 PageAnswer Page::Impl::repair_start(Numbers, const PageQuery& query) const {
-  std::vector<Index> fixed;
-  const auto named = query.find("fixed");
-  for (const auto& text : split(named == query.end() ? std::string_view() : named->second, ',')) {
-    if (text.empty()) continue;
-    const auto number = number_in(text);
-    if (!number) return no_number("fixed");
-    if (auto answer = missing_object(*number)) return *answer;
-    fixed.push_back(static_cast<Index>(*number));
+  RepairChoice choice;
+  const auto objects = numbers_of(query, "fixed"), parts = numbers_of(query, "parts"),
+             contacts = numbers_of(query, "contact");
+  for (const auto* list : {&objects, &parts, &contacts}) {
+    if (!*list) return list->error();
   }
-  repair->start(std::move(fixed));
+  for (const std::uint64_t number : *objects) {
+    if (auto answer = missing_object(number)) return *answer;
+    choice.fixed.push_back(static_cast<Index>(number));
+  }
+  const auto names = scene->part_names();
+  for (const std::uint64_t number : *parts) {
+    if (number >= names.size()) return refuse(404, fmt::format("there is no part {}", number));
+    choice.fixed_parts.push_back(names[number]);
+  }
+  if (!contacts->empty()) {
+    const auto found = contact_found(contacts->front());
+    if (!found) return found.error();
+    choice.contact = **found;
+  }
+  repair->start(std::move(choice));
   return json_answer(repair->status());
 }
 

@@ -22,12 +22,12 @@ Error nothing_repaired() { return {"repair", "has no result", "start it first", 
 
 }  // namespace
 
-void RepairService::start(std::vector<Index> fixed) {
+void RepairService::start(RepairChoice choice) {
   const std::lock_guard lock(mutex_);
   cancelled_ = true;  // the one that is being computed, until the next one begins
   state_ = State::Queued;
   progress_ = 0;
-  fixed_ = std::move(fixed);
+  choice_ = std::move(choice);
   error_.clear();
   done_.reset();
 }
@@ -58,11 +58,11 @@ bool RepairService::compute_queued(const std::atomic<bool>& stop) {
   if (state_ != State::Queued) return false;
   state_ = State::Running;
   cancelled_ = false;
-  const auto fixed = fixed_;
+  const RepairChoice choice = choice_;
   lock.unlock();
   Result<Repaired> done = tl::unexpected(nothing_repaired());
   try {
-    done = compute(fixed, stop);
+    done = compute(choice, stop);
   } catch (const std::exception& error) {
     done = tl::unexpected(Error{"repair", line_of(error), "", ErrorCode::LimitExceeded});
   }
@@ -77,14 +77,15 @@ bool RepairService::compute_queued(const std::atomic<bool>& stop) {
   return true;
 }
 
-Result<RepairService::Repaired> RepairService::compute(const std::vector<Index>& fixed,
+Result<RepairService::Repaired> RepairService::compute(const RepairChoice& choice,
                                                        const std::atomic<bool>& stop) {
   if (scene_.settings().poses)
     return fail(ErrorCode::InvalidArgument, "--static",
                 "checks frames one by one, and a repair is of a motion", "start without it");
-  RepairRequest request{scene_.settings(), {}, {}, {}};
+  RepairRequest request{scene_.settings(), {}, choice.fixed_parts, {}};
   request.check.step.explain = false;
-  for (const Index object : fixed) request.fixed.push_back(scene_.motions()[object]->name());
+  for (const Index object : choice.fixed) request.fixed.push_back(scene_.motions()[object]->name());
+  if (choice.contact) request.repair.chosen = in_group_of(*choice.contact);
   request.repair.interrupted = [&] { return stop || cancelled_; };
   request.repair.progress = [this](double share) {
     if (tell_) tell_(share);

@@ -8,14 +8,21 @@
 
 namespace foldproof {
 
+/// What a repair may do.
+struct RepairChoice {
+  std::vector<Index> fixed = {};              ///< Objects that may not move, by number,
+  std::vector<std::string> fixed_parts = {};  ///< and parts, by name.
+  std::optional<Contact> contact = {};        ///< The worst of a group: only contacts of that are repaired.
+};
+
 class RepairService {
  public:
   /// `progress`: called with the share that is done, besides; or empty.
   RepairService(const SceneData& scene, std::function<void(double)> progress)
       : scene_(scene), tell_(std::move(progress)) {}
 
-  /// Queues a repair, in place of an earlier one, in which objects of these numbers may not move.
-  void start(std::vector<Index> fixed);
+  /// Queues a repair, in place of an earlier one.
+  void start(RepairChoice choice);
   /// Ends the repair that is queued or being computed.
   void cancel();
   /// What is known of it.
@@ -36,7 +43,7 @@ class RepairService {
     RepairedMotions motions;
     std::vector<std::string> files;  // names, of the objects that may move
   };
-  Result<Repaired> compute(const std::vector<Index>& fixed, const std::atomic<bool>& stop);
+  Result<Repaired> compute(const RepairChoice& choice, const std::atomic<bool>& stop);
   Result<std::shared_ptr<const Repaired>> repaired(Index object) const;
   std::string file_name(Index object) const;
 
@@ -46,7 +53,7 @@ class RepairService {
   mutable std::mutex mutex_;  // guards the following
   State state_ = State::Idle;
   double progress_ = 0;
-  std::vector<Index> fixed_;
+  RepairChoice choice_;
   std::string error_;
   std::shared_ptr<const Repaired> done_;
 };

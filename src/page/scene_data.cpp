@@ -65,6 +65,16 @@ std::uint64_t SceneData::steps() const {
   return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
 }
 
+std::vector<std::string> SceneData::part_names() const {
+  std::vector<std::string> names;
+  for (Index i = 0; i < objects_.size(); ++i) {
+    for (const std::string& name : parts_of(i, motions_, settings_).names) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
 Json SceneData::json() const {
   Json objects = Json::array();
   for (const auto& object : objects_) {
@@ -92,6 +102,7 @@ Json SceneData::json() const {
           {"steps", steps()},
           {"assumed", assumed(motions_, settings_.poses)},
           {"objects", std::move(objects)},
+          {"parts", part_names()},
           {"center", {center().x(), center().y(), center().z()}},
           {"low", {low_.x(), low_.y(), low_.z()}},
           {"high", {high_.x(), high_.y(), high_.z()}},

@@ -41,6 +41,8 @@ class SceneData {
   /// The middle of the first frame. Positions are sent relative to it, as single precision is fine near 0.
   Vec3 center() const { return (low_ + high_) / 2; }
 
+  /// Of all objects, each once.
+  std::vector<std::string> part_names() const;
   Json json() const;
   Result<SharedMotion::Frame> frame(Index object, Index k) const {
     return objects_[object]->motion->frame(frames_[k]);

@@ -75,8 +75,8 @@ void internal::dilate(const RepairScene& scene, std::vector<std::uint8_t>& mask,
   }
 }
 
-Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness)
-    : scene_(&scene), prover_(&prover), thickness_(thickness) {
+Analysis::Analysis(const RepairScene& scene, Prover& prover, double thickness, bool keeps_seams)
+    : scene_(&scene), prover_(&prover), thickness_(thickness), keeps_seams_(keeps_seams) {
   if (scene.fixed_filter() != nullptr) fixed_prover_.emplace(scene, scene.fixed_filter(), 0);
 }
 
@@ -187,7 +187,7 @@ Result<void> Analysis::add(double time, std::span<const double> x) {
   });
   if (!finder_->is_known()) frame.crossings = FOLDPROOF_TRY(prover_->check_pose(x))->crossing_count;
   touch_crossings(frame);
-  if (frame.crossings == 0) notes_seams_ = false, seams_.clear();
+  if (frame.crossings == 0 && !keeps_seams_) notes_seams_ = false, seams_.clear();
   for (Contact& contact : finder_->take_ended()) ended_.push_back(std::move(contact));
   frame.is_free = frame.crossings == 0;
   if (thickness_ > 0 && frame.is_free) {
@@ -231,16 +231,25 @@ const std::vector<std::uint8_t>& Analysis::touched(std::size_t k) {
   return mask_;
 }
 
-std::vector<std::array<ObjectVertex, 2>> Analysis::seams(std::size_t k) {
-  std::set<Index> exempt;
-  for (const Index contact : frames_[k].contacts) exempt.insert(finder_->joined_number(contact));
+std::set<Index> Analysis::crossing_contacts(std::size_t k) const {
+  std::set<Index> out;
+  for (const Index contact : frames_[k].contacts) out.insert(finder_->joined_number(contact));
+  return out;
+}
+
+std::vector<std::array<ObjectVertex, 2>> Analysis::seams(const std::set<Index>& contacts,
+                                                         const std::set<Index>& not_in) const {
+  std::set<std::array<Index, 2>> others;
+  for (const Seam& seam : seams_) {
+    if (not_in.contains(finder_->joined_number(seam.contact))) others.insert(seam.ends);
+  }
   std::vector<std::array<ObjectVertex, 2>> seams;
   const auto place = [&](Index v) {
     const Index object = scene_->object_of_vertex(v);
     return ObjectVertex{object, v - scene_->begin(object).vertices};
   };
   for (const Seam& seam : seams_) {
-    if (exempt.contains(finder_->joined_number(seam.contact)))
+    if (contacts.contains(finder_->joined_number(seam.contact)) && !others.contains(seam.ends))
       seams.push_back({place(seam.ends[0]), place(seam.ends[1])});
   }
   return seams;

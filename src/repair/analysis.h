@@ -16,7 +16,8 @@ namespace foldproof::inline internal {
 /// depend on what may not move with itself.
 class Analysis {
  public:
-  Analysis(const RepairScene& scene, Prover& prover, double thickness);
+  /// `keeps_seams`: also where a frame has no crossings.
+  Analysis(const RepairScene& scene, Prover& prover, double thickness, bool keeps_seams = false);
   Result<void> add(double time, std::span<const double> x);
   struct Contacts {
     std::vector<Contact> of_movable;   ///< Something that may move takes part.
@@ -30,9 +31,12 @@ class Analysis {
   bool is_free(std::size_t k) const { return frames_[k].is_free; }
   bool is_way_free(std::size_t k) const { return frames_[k].is_way_free; }
   bool all_free() const;
-  /// Pairs of vertices of what touches, at any time, in the contacts that cross in the frame; after finish().
-  /// None where a frame has no crossings.
-  std::vector<std::array<ObjectVertex, 2>> seams(std::size_t k);
+  /// Numbers of the contacts that cross in the frame; after finish().
+  std::set<Index> crossing_contacts(std::size_t k) const;
+  /// Pairs of vertices of what touches, at any time, in these contacts, and never in the others that are
+  /// given; after finish(). None where a frame has no crossings, unless seams are kept.
+  std::vector<std::array<ObjectVertex, 2>> seams(const std::set<Index>& contacts,
+                                                 const std::set<Index>& not_in = {}) const;
   std::uint64_t crossings(std::size_t k) const { return frames_[k].crossings; }
   /// Per vertex, whether it or a vertex near it touches something in or next to the frame.
   const std::vector<std::uint8_t>& touched(std::size_t k);
@@ -67,6 +71,7 @@ class Analysis {
   Prover* prover_;
   std::optional<Prover> fixed_prover_;  // of what may not move with itself; none where everything may
   double thickness_;
+  bool keeps_seams_;
   std::optional<ContactFinder> finder_;
   std::set<Index> movable_contacts_;  // numbers
   bool notes_seams_ = true;

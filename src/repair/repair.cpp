@@ -213,7 +213,8 @@ Result<std::optional<Start>> Repair::untangled_start() {
 // What crosses in the frame with the fewest crossings is exempt, for as long as these contacts last.
 Result<std::optional<Start>> Repair::exempt_start() {
   Start start{calmest_frame(), {}, true, settings_.thickness == 0};
-  start.exempt = FOLDPROOF_TRY(ignore_sewn(scene_.objects(), analysis_.seams(start.frame)));
+  start.exempt =
+      FOLDPROOF_TRY(ignore_sewn(scene_.objects(), analysis_.seams(analysis_.crossing_contacts(start.frame))));
   start.x = FOLDPROOF_TRY(frames_.read(start.frame));
   Prover exempting(scene_, filter_with(start.exempt), 0);
   if (!FOLDPROOF_TRY(exempting.check_pose(start.x))->clean()) return std::nullopt;
@@ -427,6 +428,58 @@ Result<void> check_settings(const RepairInput& input, const RepairSettings& sett
   return {};
 }
 
+// Contacts of all pairs, frame by frame.
+struct AllContacts {
+  Prover prover;
+  Analysis analysis;
+  AllContacts(const RepairScene& scene, const RepairSettings& settings, bool keeps_seams)
+      : prover(scene, scene.filter(), settings.thickness),
+        analysis(scene, prover, settings.thickness, keeps_seams) {}
+  // Those that are chosen, and those that are not.
+  Result<std::array<std::vector<Contact>, 2>> sorted(const RepairSettings& settings) {
+    std::array<std::vector<Contact>, 2> out;
+    for (Contact& contact : FOLDPROOF_TRY(analysis.finish()).of_movable)
+      out[settings.chosen(contact) ? 0 : 1].push_back(std::move(contact));
+    return out;
+  }
+};
+
+// What touches in contacts that are not chosen is ignored; what is left of all contacts is found again.
+Result<RepairReport> repair_chosen(
+    const RepairInput& input, const RepairSettings& settings, const RepairScene& scene,
+    const std::function<Result<void>(double, std::span<const double>)>& write) {
+  const Frames frames(input, scene, settings.single_precision);
+  AllContacts before(scene, settings, true), after(scene, settings, false);
+  for (Index k = 0; k < frames.count(); ++k) {
+    if (settings.interrupted && settings.interrupted()) return tl::unexpected(interrupted().error());
+    FOLDPROOF_TRY(before.analysis.add(k, FOLDPROOF_TRY(frames.read(k))));
+  }
+  auto [chosen, others] = FOLDPROOF_TRY(before.sorted(settings));
+  const auto numbers_of = [](const std::vector<Contact>& contacts) {
+    std::set<Index> numbers;
+    for (const Contact& contact : contacts) numbers.insert(contact.number);
+    return numbers;
+  };
+  const auto seams = before.analysis.seams(numbers_of(others), numbers_of(chosen));
+  RepairInput of_chosen = input;
+  of_chosen.filter = FOLDPROOF_TRY(ignore_sewn(scene.objects(), seams));
+  if (input.filter) of_chosen.filter = ignore_all({of_chosen.filter, input.filter});
+  const RepairScene of_chosen_scene = FOLDPROOF_TRY(RepairScene::make(of_chosen));
+  RepairReport report = FOLDPROOF_TRY(Repair(of_chosen, settings, of_chosen_scene)
+                                          .run([&](double time, std::span<const double> x) -> Result<void> {
+                                            FOLDPROOF_TRY(after.analysis.add(time, x));
+                                            return write(time, x);
+                                          }));
+  report.before = std::move(chosen);
+  report.left = std::move(others);
+  if (!report.written) return report;
+  auto [remaining, left] = FOLDPROOF_TRY(after.sorted(settings));
+  report.remaining = std::move(remaining);
+  report.left = std::move(left);
+  report.free = report.free && report.remaining.empty();
+  return report;
+}
+
 }  // namespace
 
 Result<RepairReport> repair(const RepairInput& input, const RepairSettings& settings,
@@ -434,6 +487,7 @@ Result<RepairReport> repair(const RepairInput& input, const RepairSettings& sett
   const PlainArithmetic plain;
   FOLDPROOF_TRY(check_settings(input, settings));
   const RepairScene scene = FOLDPROOF_TRY(RepairScene::make(input));
+  if (settings.chosen) return repair_chosen(input, settings, scene, write);
   return Repair(input, settings, scene).run(write);
 }
 

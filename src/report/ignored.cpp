@@ -238,4 +238,20 @@ Result<std::vector<std::vector<std::uint8_t>>> internal::triangles_named(Motions
   return out;
 }
 
+Result<std::function<bool(const Contact&)>> internal::contacts_between(
+    Motions motions, const CheckSettings& settings, std::span<const std::array<std::string, 2>> pairs) {
+  CheckSettings named = settings;
+  named.ignore.assign(pairs.begin(), pairs.end());
+  FOLDPROOF_TRY(check_names(motions, named));
+  return [motions, named](const Contact& contact) {
+    const auto is = [&](const std::string& name, const Contact::Side& side) {
+      return Named(name, motions, named).is(side.object, side.part);
+    };
+    const auto& [a, b] = contact.sides;
+    return std::ranges::any_of(named.ignore, [&](const auto& pair) {
+      return (is(pair[0], a) && is(pair[1], b)) || (is(pair[0], b) && is(pair[1], a));
+    });
+  };
+}
+
 }  // namespace foldproof

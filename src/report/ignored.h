@@ -1,6 +1,8 @@
 /// Which pairs a check leaves out: those that CheckSettings::ignore names, and those of what stands still.
 #pragma once
 
+#include <functional>
+
 #include "report/report.h"
 
 namespace foldproof::inline internal {
@@ -18,6 +20,11 @@ Result<void> check_names(Motions motions, const CheckSettings& settings);
 /// Per object and triangle, whether it belongs to an object or a part of these names. Error: as check_names.
 Result<std::vector<std::vector<std::uint8_t>>> triangles_named(Motions motions, const CheckSettings& settings,
                                                                std::span<const std::string> names);
+
+/// Whether a contact is between two objects or parts of one of these pairs of names. The motions and settings
+/// must outlive it. Error: as check_names.
+Result<std::function<bool(const Contact&)>> contacts_between(
+    Motions motions, const CheckSettings& settings, std::span<const std::array<std::string, 2>> pairs);
 
 /// Which pairs are tested, apart from those that are ignored by name.
 enum class TestedPairs : std::uint8_t {

@@ -113,7 +113,8 @@ Result<void> read_again(std::span<const GltfFile> files, const RepairOutputs& ou
   settings.frames = {};
   settings.models.clear();
   const CheckTotals totals = FOLDPROOF_TRY(run_check(shown, settings, {}));
-  if (totals.clean()) return {};
+  if (done.report.left.empty() ? totals.clean() : std::ranges::none_of(totals.contacts, done.chosen))
+    return {};
   return fail(ErrorCode::UnsupportedFormat, files[0].path,
               "holds single precision, which is too coarse here: something touches again",
               "write .npz, or keep more apart (--thickness)");
@@ -164,7 +165,7 @@ Result<void> write_outputs(const RepairOutputs& outputs, Motions motions, const 
     files.emplace_back(path, object);
     FOLDPROOF_TRY(io::write_gltf_repair(files.back().unchecked, motions[object]->name(), outputs.read,
                                         *done.motion(object), static_cast<Index>(times.front()),
-                                        {verdict.sentence.text(), done.report.free}));
+                                        {verdict.sentence.text(), verdict.kind == CheckVerdictKind::Free}));
   }
   if (!files.empty()) FOLDPROOF_TRY(read_again(files, outputs, motions, request, done));
   for (GltfFile& file : files) {

@@ -7,6 +7,7 @@
 
 #include "base/try.h"
 #include "io/spool.h"
+#include "report/contact_groups.h"
 #include "report/ignored.h"
 
 namespace foldproof {
@@ -131,7 +132,7 @@ Result<std::vector<std::vector<double>>> known_poses(std::span<const std::shared
 // Times count from the first frame that was selected.
 void number_by_input(RepairReport& report, Index first) {
   for (RepairedFrame& frame : report.frames) frame.time += first;
-  for (auto* contacts : {&report.before, &report.remaining, &report.among_fixed}) {
+  for (auto* contacts : {&report.before, &report.remaining, &report.left, &report.among_fixed}) {
     for (Contact& contact : *contacts) {
       contact.first_time += first;
       contact.last_time += first;
@@ -144,6 +145,10 @@ void number_by_input(RepairReport& report, Index first) {
 
 Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest& request) {
   return objects_of(FOLDPROOF_TRY(movable_vertices(motions, request)));
+}
+
+std::function<bool(const Contact&)> in_group_of(const Contact& worst) {
+  return [worst](const Contact& contact) { return group_contacts(std::array{worst, contact}).size() == 1; };
 }
 
 std::unique_ptr<Motion> RepairedMotions::motion(Index object) const {
@@ -197,6 +202,9 @@ Result<RepairedMotions> repair_motions(Motions motions, const RepairRequest& req
   input.filter = FOLDPROOF_TRY(filter_for(motions, request.check, objects, {}, TestedPairs::All));
   RepairSettings settings = request.repair;
   settings.thickness = request.check.step.thickness;
+  if (!request.between.empty())
+    settings.chosen = FOLDPROOF_TRY(contacts_between(motions, request.check, request.between));
+  out.chosen = settings.chosen;
   if (!request.check.models.empty())
     settings.poses = [&] { return known_poses(request.check.models, store.begin, input); };
   out.report = FOLDPROOF_TRY(repair(input, settings, [&](double, std::span<const double> x) -> Result<void> {

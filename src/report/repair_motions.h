@@ -14,7 +14,13 @@ struct RepairRequest {
   RepairSettings repair;
   std::vector<std::string> fixed;  ///< Objects and parts that may not move, by name.
   std::vector<std::string> only;   ///< Those that may; empty: all but the fixed ones.
+  /// Pairs of objects or parts, by name: only their contacts are repaired, in place of
+  /// RepairSettings::chosen.
+  std::vector<std::array<std::string, 2>> between = {};
 };
+
+/// Whether a contact is of the group (contact_groups.h) of this one, the worst of it.
+std::function<bool(const Contact&)> in_group_of(const Contact& worst);
 
 /// The objects of which something may move. Error: a name that is neither an object's nor a part's.
 Result<std::vector<Index>> movable_objects(Motions motions, const RepairRequest& request);
@@ -23,6 +29,8 @@ class RepairedMotions {
  public:
   RepairReport report;         ///< Times are numbers of the input's frames.
   std::vector<Index> movable;  ///< The objects of which something may move.
+  /// RepairSettings::chosen, of contacts of the motions; null: all are.
+  std::function<bool(const Contact&)> chosen;
 
   /// An object's motion, read from a temporary file. Precondition: report.written.
   std::unique_ptr<Motion> motion(Index object) const;

@@ -9,9 +9,24 @@
 namespace foldproof {
 namespace {
 
+void append(Sentence& out, const Sentence& more) {
+  for (const auto& piece : more.pieces()) {
+    if (const double* time = std::get_if<double>(&piece)) {
+      out.frame(*time);
+    } else {
+      out << std::get<std::string>(piece);
+    }
+  }
+}
+
+// Without what was left.
 Sentence sentence_of(const RepairReport& report) {
   const char* but = report.among_fixed.empty() ? "" : ", but what may not move, with itself";
   Sentence out;
+  if (!report.left.empty() && report.before.empty())
+    return out << "The motion is as it was: none of the contacts was chosen";
+  if (!report.left.empty() && report.free)
+    return out << "Proven: what was chosen is gone, in all frames and at all times between them";
   if (report.unchanged) return out << "The motion is as it was: nothing touches" << but;
   if (report.free) return out << "Proven: nothing touches, in no frame and at no time between frames" << but;
   const auto is_free = [](const RepairedFrame& f) { return f.limit == RepairLimit::None; };
@@ -21,14 +36,7 @@ Sentence sentence_of(const RepairReport& report) {
     out << (report.written ? "Not all could be repaired"
                            : "Nothing could be repaired, and nothing was written")
         << ": something touches in ";
-    const Sentence where = frames_named(report.frames, [&](const RepairedFrame& f) { return !is_free(f); });
-    for (const auto& piece : where.pieces()) {
-      if (const double* time = std::get_if<double>(&piece)) {
-        out.frame(*time);
-      } else {
-        out << std::get<std::string>(piece);
-      }
-    }
+    append(out, frames_named(report.frames, [&](const RepairedFrame& f) { return !is_free(f); }));
   }
   return out;
 }
@@ -83,10 +91,16 @@ CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const
   auto not_tested = untested(motions, request.check, contact_totals({}, report));
   if (request.check.step.thickness > 0 && (!request.fixed.empty() || !request.only.empty()))
     not_tested.emplace_back("what may not move was not tested with itself for the thickness");
-  CheckVerdict out{.kind = report.free ? CheckVerdictKind::Free : CheckVerdictKind::Found,
+  CheckVerdict out{.kind = !report.free          ? CheckVerdictKind::Found
+                           : report.left.empty() ? CheckVerdictKind::Free
+                                                 : CheckVerdictKind::Limited,
                    .sentence = sentence_of(report),
                    .numbers = {},
-                   .whole = not_tested.empty() && report.among_fixed.empty()};
+                   .whole = not_tested.empty() && report.among_fixed.empty() && report.left.empty()};
+  if (!report.left.empty()) {
+    out.sentence << "; left as it was: ";
+    append(out.sentence, contact_sentence(motions, request.check, contact_totals(report.left, report)));
+  }
   out.sentence << with_untested(".", not_tested);
   return out;
 }
@@ -117,6 +131,7 @@ Json repair_json(Motions motions, const RepairRequest& request, const RepairRepo
   };
   list("before", report.before);
   list("remaining", report.remaining);
+  list("left", report.left);
   list("among_fixed", report.among_fixed);
   return json;
 }

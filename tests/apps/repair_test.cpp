@@ -108,6 +108,31 @@ TEST(RepairProgram, OnlyTheShirtMoves) {
   EXPECT_EQ(demo.check({"a.npz", "b.npz"}).code, 0);
 }
 
+TEST(RepairProgram, ContactsThatAreNamedAreRepairedAlone) {
+  const Demo demo;
+  const auto repair = [&](const char* one, const char* other) {
+    return demo.repair({"body.npz", "shirt.npz", "--contact", one, other, "--json", "done.json", "-o",
+                        "a.npz", "-o", "b.npz"});
+  };
+  const Outcome done = repair("shirt", "body");
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("Proven: what was chosen is gone, in all frames and at all times between "
+                                  "them; left as it was: body goes through itself twice"));
+  EXPECT_THAT(done.out, HasSubstr("What was left:\n\n2 contacts"));
+  const auto report = nlohmann::json::parse(demo.bytes("done.json"));
+  EXPECT_EQ(report["verdict"]["kind"], "limited");
+  EXPECT_EQ(report["before"].size(), 4);
+  EXPECT_EQ(report["left"].size(), 2);
+  EXPECT_EQ(demo.check({"a.npz", "b.npz", "--ignore", "a", "a"}).code, 0);
+  EXPECT_EQ(demo.check({"a.npz", "b.npz"}).code, 1);
+  EXPECT_THAT(repair("shirt", "shirt").out, HasSubstr("none of the contacts was chosen"));
+  EXPECT_THAT(repair("shirt", "trousers").err, HasSubstr("'trousers': is neither an object nor a part"));
+  // In glTF, too: its file says that it is not free.
+  const Outcome gltf = demo.repair({"walk.glb", "--contact", "walk", "walk", "-o", "walk-fixed.glb"});
+  EXPECT_EQ(gltf.code, 0) << gltf.err;
+  EXPECT_EQ(demo.check({"walk-fixed.glb"}).code, 0);
+}
+
 // One triangle pierces another in the object b, in both frames; the object a is far away.
 TEST(RepairProgram, WhatMayNotMoveIsTestedWithItselfAndListed) {
   const Workplace place;

@@ -69,6 +69,56 @@ TEST(PageRepair, MovesWhatMayMoveAndGivesItsFramesAndFiles) {
   EXPECT_LT(both["frames"][2]["correction"], done["frames"][2]["correction"]);
 }
 
+/// Three balls in a row, and the parts of the first: its halves.
+std::vector<std::unique_ptr<Motion>> row_of_balls() {
+  auto motions = balls();
+  auto third = balls();
+  std::vector<std::vector<double>> frames;
+  for (const double apart : {2.3, 1.95, 1.9, 1.95, 2.3}) frames.push_back(sphere_at(-apart));
+  motions.push_back(memory_motion("left", Topology(third[0]->topology()), std::move(frames)));
+  return motions;
+}
+
+TEST(PageRepair, RepairsContactsAlone) {
+  Served served(page_of(row_of_balls()));
+  const Json contacts = served.json("/api/contacts")["items"];
+  ASSERT_EQ(contacts.size(), 2) << contacts;
+  served.json("/api/repair/start?contact=2", 404);
+  served.json("/api/repair/start?contact=0");
+  const Json done = ended(served);
+  ASSERT_EQ(done["state"], "done") << done;
+  EXPECT_EQ(done["verdict"]["kind"], "limited");
+  EXPECT_THAT(done["verdict"]["text"].get<std::string>(), HasSubstr("what was chosen is gone"));
+  EXPECT_EQ(done["left"].size(), 1);
+  EXPECT_EQ(done["left"][0]["sides"][1]["name"], contacts[1]["sides"][1]["name"]);
+}
+
+TEST(PageRepair, PartsMayNotMove) {
+  const std::vector<Index> half(balls()[0]->topology().triangles().size() / 2, 0);
+  CheckSettings settings;
+  settings.parts.resize(2);
+  settings.parts[0].names = {"lower", "upper"};
+  settings.parts[0].of_triangle = half;
+  settings.parts[0].of_triangle.resize(2 * half.size(), 1);
+  Served served(page_of(balls(), settings));
+  EXPECT_EQ(served.json("/api/scene")["parts"], Json::parse(R"(["lower", "upper"])"));
+  served.json("/api/repair/start?parts=2", 404);
+  served.json("/api/repair/start?parts=a", 400);
+  served.json("/api/repair/start?fixed=1&parts=0,1");
+  EXPECT_THAT(ended(served)["error"].get<std::string>(), HasSubstr("nothing that may move"));
+  served.json("/api/repair/start?fixed=1&parts=0");
+  const Json done = ended(served);
+  ASSERT_EQ(done["state"], "done") << done;
+  const auto before = served.numbers<float>("/api/objects/0/frames/2");
+  const auto after = served.numbers<float>("/api/objects/0/repaired/2");
+  const auto moved = [&](std::size_t begin, std::size_t end) {
+    return !std::equal(before.begin() + 3 * begin, before.begin() + 3 * end, after.begin() + 3 * begin);
+  };
+  const std::size_t middle = before.size() / 6;
+  EXPECT_FALSE(moved(0, middle));
+  EXPECT_TRUE(moved(middle, 2 * middle));
+}
+
 TEST(PageRepair, SaysWhatCannotBe) {
   Served served(page_of(balls()));
   EXPECT_THAT(served.json("/api/repair/start?fixed=a", 400)["error"].get<std::string>(),

@@ -345,6 +345,45 @@ TEST(Repair, IgnoredPairsMayTouch) {
   EXPECT_EQ(done.frames, motion.frames);
 }
 
+// A ball between two others, which press into it at the same time.
+TEST(Repair, OnlyChosenContactsAreRepairedAndTheOthersAreLeft) {
+  TestMotion motion = pressed_balls(0.2, 6, 3);
+  motion.meshes.push_back(motion.meshes[0]);
+  const Index first = motion.meshes[0].vertex_count + motion.meshes[1].vertex_count;
+  for (int k = -3; k <= 3; ++k) {
+    const Pose there = placed(motion.meshes[2], 1, kAxis * -(1.8 + 0.5 * std::abs(k) / 3));
+    Pose& x = motion.frames[static_cast<std::size_t>(k + 3)];
+    x.insert(x.end(), there.begin(), there.end());
+  }
+  ASSERT_EQ(repaired(motion).report.before.size(), 2u);
+  RepairSettings settings;
+  settings.falloff = 0.3;
+  settings.chosen = [](const Contact& contact) { return contact.sides[1].object == 1; };
+  const Repaired done = repaired(motion, settings);
+  EXPECT_TRUE(done.report.free);
+  ASSERT_EQ(done.report.before.size(), 1u);
+  ASSERT_EQ(done.report.left.size(), 1u);
+  EXPECT_EQ(done.report.left[0].sides[1].object, 2u);
+  EXPECT_TRUE(done.report.remaining.empty());
+  EXPECT_GT(done.largest(motion, 3, 0, first), 0.05);
+  EXPECT_EQ(done.largest(motion, 3, first, first + motion.meshes[2].vertex_count), 0);
+  EXPECT_GT(touching(motion, done.frames), 0u);
+  // What is left is what is found then.
+  const Repaired again = repaired({motion.meshes, done.frames});
+  ASSERT_EQ(again.report.before.size(), 1u);
+  EXPECT_EQ(again.report.before[0].frames.size(), done.report.left[0].frames.size());
+  // None is chosen: it stays as it was.
+  settings.chosen = [](const Contact&) { return false; };
+  const Repaired none = repaired(motion, settings);
+  EXPECT_EQ(none.frames, motion.frames);
+  EXPECT_EQ(none.report.left.size(), 2u);
+  // All are: as without the choice.
+  settings.chosen = [](const Contact&) { return true; };
+  RepairSettings all;
+  all.falloff = settings.falloff;
+  EXPECT_EQ(repaired(motion, settings).frames, repaired(motion, all).frames);
+}
+
 // A ball that is thrown through a thin sheet between two frames: free in both, but not between them.
 TEST(Repair, WhatPassesBetweenFramesIsHeldBack) {
   TestMotion motion;

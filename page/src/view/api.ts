@@ -34,6 +34,7 @@ export interface SceneInfo {
   steps: number;
   assumed: string; // what files were taken for, to follow what was checked in the verdict
   objects: ObjectInfo[];
+  parts: string[]; // names of all objects' parts, each once
   center: number[]; // positions of vertices are relative to it
   low: number[];
   high: number[];

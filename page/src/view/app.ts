@@ -23,7 +23,7 @@ import { LayerPanel } from './layers';
 import { Layout, type Tab } from './layout';
 import { legendItems } from './legend';
 import { Navigator, type Parts } from './navigator';
-import { RepairPanel } from './repair';
+import { kindShown, RepairPanel } from './repair';
 import { ShapePanel } from './shapes';
 import { Stage } from './stage';
 import { Timeline } from './timeline';
@@ -103,7 +103,7 @@ export class App {
     });
     this.collisions = new CollisionPanel(scene, this.check, (pair) => this.navigator.choose(pair), (direction) => this.navigator.nextCollision(direction), () => this.navigator.goTo(() => this.clock.seek(0)));
     this.repair = new RepairPanel(scene, { changed: () => this.repairChanged(), show: (after) => this.showRepaired(after), failed });
-    this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index), this.repair.element);
+    this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index), this.repair);
     this.charts = this.makeCharts();
     this.layout = new Layout(root, scene, () => this.timeline.element, this.tools());
     root.append(this.help);
@@ -458,7 +458,7 @@ export class App {
     verdict.hidden = !shaping && !this.showsRepaired;
     if (!shaping && this.showsRepaired) {
       setText(verdict, `Repaired. ${this.repair.verdict?.text ?? ''}`);
-      verdict.dataset['kind'] = this.repair.verdict?.kind === 'free' ? 'inside' : 'outside';
+      verdict.dataset['kind'] = this.repair.verdict ? kindShown(this.repair.verdict) : '';
     }
     if (shaping) {
       const { text, kind } = this.shapes!.verdictText();

@@ -6,6 +6,7 @@ import { kBetweenNotTested, wordsOf } from '../shared/words';
 import type { SceneInfo } from './api';
 import type { Check } from './check';
 import { framesText, type Contacts } from './contacts';
+import type { RepairPanel } from './repair';
 
 const kTimes = 24; // listed on a card
 
@@ -37,12 +38,12 @@ export class ContactPanel {
     private readonly check: Check,
     private readonly contacts: Contacts,
     private readonly choose: (index: number) => void,
-    repair: HTMLElement,
+    private readonly repair: RepairPanel,
   ) {
     for (const [kind, title] of kKinds) this.kinds.append(el('option', { value: kind }, title));
     for (const select of [this.sides, this.kinds]) select.addEventListener('change', () => this.filter());
     this.filters.append(this.sides, this.kinds);
-    this.element = el('div', { className: 'panel contacts' }, this.head, this.note, repair, this.filters, this.list);
+    this.element = el('div', { className: 'panel contacts' }, this.head, this.note, repair.element, this.filters, this.list);
   }
 
   show(chosen: number | null): void {
@@ -132,6 +133,7 @@ export class ContactPanel {
       el('span', { className: 'facts' }, facts.join(' · ')),
       notes.length > 0 && el('small', {}, notes.join(', ')),
       contacts.length > 1 && this.occurrences(contacts),
+      !this.check.poses && this.contacts.groups.length > 1 && this.repairButton(index, contact),
     );
     card.addEventListener('keydown', (event) => {
       if (event.target !== card || (event.key !== 'Enter' && event.key !== ' ')) return;
@@ -140,6 +142,15 @@ export class ContactPanel {
       this.choose(index);
     });
     return card;
+  }
+
+  /** Repairs this and nothing else. */
+  private repairButton(index: number, contact: Contact): HTMLElement {
+    const begin = (event: Event) => {
+      event.stopPropagation();
+      this.repair.begin({ index, title: this.contacts.title(contact) });
+    };
+    return el('button', { className: 'small alone', type: 'button', title: 'Other contacts stay', onclick: begin }, 'Repair only this');
   }
 
   /** A button for each time that two parts meet, in order. */

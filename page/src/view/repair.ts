@@ -6,6 +6,7 @@ import { ApiError, getBlob, getJson, onRepairProgress, type SceneInfo } from './
 import { save } from './capture';
 
 const kPollMs = 300;
+const kSearched = 12; // parts
 
 interface RepairedFrame {
   time: number;
@@ -23,10 +24,19 @@ interface RepairAnswer {
   files?: { object: number; name: string }[]; // empty where nothing was changed
 }
 
+/** How the verdict of a repair is colored: not at all where contacts were left on purpose. */
+export const kindShown = ({ kind }: Answer): string => ({ free: 'inside', found: 'outside', limited: '' })[kind];
+
 export interface RepairActions {
   changed: () => void; // there is a result, or there is none any more
   show: (after: boolean) => void;
   failed: (error: unknown) => void;
+}
+
+/** Contacts of the same two parts, by the first of them in the list. */
+export interface Chosen {
+  index: number;
+  title: string;
 }
 
 export class RepairPanel {
@@ -34,8 +44,12 @@ export class RepairPanel {
   /** Each repair has another. */
   version = 0;
   private readonly open = el('button', { className: 'small', type: 'button' });
+  private readonly choose = el('button', { className: 'small', type: 'button' }, 'What may move…');
+  private readonly chosenOnly = el('p', { className: 'note' });
   private readonly form = el('div', { className: 'form', hidden: true });
   private readonly movable: HTMLInputElement[];
+  private readonly still: HTMLInputElement[]; // parts
+  private only: Chosen | null = null;
   private readonly bar = el('progress', { max: 1 });
   private readonly running = el('div', { className: 'row', hidden: true });
   private readonly result = el('div', { hidden: true });
@@ -49,19 +63,23 @@ export class RepairPanel {
     private readonly actions: RepairActions,
   ) {
     this.movable = scene.objects.map(() => el('input', { type: 'checkbox', checked: true }));
+    this.still = scene.parts.map(() => el('input', { type: 'checkbox' }));
     const button = (text: string, action: () => void, properties = {}) => el('button', { className: 'small', type: 'button', onclick: action, ...properties }, text);
     this.name('Repair');
-    this.open.addEventListener('click', () => this.begin());
+    this.open.addEventListener('click', () => this.begin(null));
+    this.choose.addEventListener('click', () => this.showForm(true));
+    const line = (box: HTMLInputElement, name: string) => el('label', { className: 'line' }, box, el('span', { title: name }, name.replace(/^.*[\\/]/, '')));
     this.form.append(
-      el('p', { className: 'note' }, 'Ticked objects may move; the others stay as they are.'),
-      ...scene.objects.map(({ name }, i) => el('label', { className: 'line' }, this.movable[i]!, el('span', { title: name }, name.replace(/^.*[\\/]/, '')))),
+      this.chosenOnly,
+      ...(this.asks ? [el('p', { className: 'note' }, 'Ticked objects may move; the others stay as they are.'), ...scene.objects.map(({ name }, i) => line(this.movable[i]!, name))] : []),
+      ...(scene.parts.length > 0 ? [this.partsList(line)] : []),
       el('div', { className: 'row' }, button('Repair', () => void this.start()), button('Cancel', () => this.showForm(false))),
     );
     this.running.append(this.bar, button('Cancel', () => void this.ask('repair/cancel'), { hidden: !scene.cancels }));
     const side = (name: 'before' | 'after', text: string) => button(text, () => actions.show(name === 'after'), { title: 'F shows one or the other' });
     this.sides = { before: side('before', 'Before'), after: side('after', 'After') };
     this.result.append(this.said, el('div', { className: 'row', role: 'group', 'aria-label': 'What is shown' }, this.sides.before, this.sides.after), this.saving);
-    this.element.append(this.open, this.form, this.running, this.result);
+    this.element.append(el('div', { className: 'row' }, this.open, this.choose), this.form, this.running, this.result);
     onRepairProgress((share) => (this.bar.value = share));
   }
 
@@ -90,23 +108,45 @@ export class RepairPanel {
   }
 
   /** With several objects a form comes first. */
+  private get asks(): boolean {
+    return this.scene.objects.length > 1;
+  }
+
   private name(text: string): void {
-    setText(this.open, this.scene.objects.length > 1 ? `${text}…` : text);
+    setText(this.open, this.asks ? `${text}…` : text);
+  }
+
+  private partsList(line: (box: HTMLInputElement, name: string) => HTMLElement): HTMLElement {
+    const lines = this.scene.parts.map((name, i) => line(this.still[i]!, name));
+    const count = el('span', {});
+    const counts = () => setText(count, this.still.some(({ checked }) => checked) ? ` (${this.still.filter(({ checked }) => checked).length})` : '');
+    const search = el('input', { type: 'search', placeholder: 'Search', 'aria-label': 'Search parts', hidden: lines.length < kSearched });
+    search.addEventListener('input', () => lines.forEach((each, i) => (each.hidden = !this.scene.parts[i]!.toLowerCase().includes(search.value.toLowerCase()))));
+    const list = el('details', { className: 'parts', open: !this.asks }, el('summary', {}, 'Parts that stay as they are', count), search, el('div', { className: 'list' }, ...lines));
+    list.addEventListener('change', counts);
+    return list;
   }
 
   private showForm(shown: boolean): void {
     this.form.hidden = !shown;
     this.open.hidden = shown;
+    this.choose.hidden = shown || this.asks || this.scene.parts.length === 0;
+    this.chosenOnly.hidden = this.only === null;
+    setText(this.chosenOnly, this.only ? `Only this is repaired: ${this.only.title}. Other contacts stay.` : '');
   }
 
-  private begin(): void {
-    if (this.scene.objects.length > 1) this.showForm(true);
-    else void this.start();
+  /** Repairs everything, or contacts alone. */
+  begin(only: Chosen | null): void {
+    this.only = only;
+    if (!this.asks) return void this.start();
+    this.showForm(true);
+    this.element.scrollIntoView({ block: 'nearest' });
   }
 
   private async start(): Promise<void> {
     const fixed = this.movable.flatMap(({ checked }, i) => (checked ? [] : [i]));
-    await this.ask(`repair/start?fixed=${fixed.join()}`);
+    const parts = this.still.flatMap(({ checked }, i) => (checked ? [i] : []));
+    await this.ask(`repair/start?fixed=${fixed.join()}&parts=${parts.join()}${this.only ? `&contact=${this.only.index}` : ''}`);
   }
 
   /** Asks until the repair has ended. */
@@ -129,14 +169,15 @@ export class RepairPanel {
     const had = this.repaired;
     const { state } = (this.answer = answer);
     this.running.hidden = !this.busy;
-    this.form.hidden = true;
+    this.showForm(false);
     this.open.hidden = this.busy;
+    this.choose.hidden ||= this.busy;
     this.name(state === 'done' || state === 'failed' ? 'Repair again' : 'Repair');
     if (answer.progress > 0) this.bar.value = answer.progress;
     else this.bar.removeAttribute('value');
     this.result.hidden = state !== 'done' && state !== 'failed';
     setText(this.said, state === 'failed' ? answer.error : (answer.verdict?.text ?? ''));
-    this.said.dataset['kind'] = answer.verdict?.kind === 'free' ? 'inside' : 'outside';
+    this.said.dataset['kind'] = answer.verdict ? kindShown(answer.verdict) : 'outside';
     for (const button of Object.values(this.sides)) button.hidden = !this.repaired;
     this.saving.replaceChildren(...(this.repaired ? answer.files!.map(({ object, name }) => this.saveButton(object, name)) : []));
     if (this.repaired === had) return;
