@@ -56,13 +56,14 @@ Result<void> write_repaired_report(const std::string& path, Motions motions, con
   auto file = FOLDPROOF_TRY(ReportFile::open(path, motions, request.check, command, files));
   Json repair = repair_json(motions, request, done.report);
   Json& counts = repair["counts"] = Json::object();
-  for (const char* list : {"before", "remaining", "among_fixed"}) {
+  for (const char* list : {"before", "remaining", "left", "among_fixed"}) {
     Json& contacts = repair[list];
     counts[list] = contacts.size();
     if (contacts.size() > kListedContacts) contacts.erase(contacts.begin() + kListedContacts, contacts.end());
   }
   repair["fixed"] = request.fixed;
   repair["only"] = request.only;
+  repair["between"] = request.between;
   repair["ignore"] = request.check.ignore;
   file.fields().add("\"repair\":{},\n\"pictures\":[", embedded(repair));
   FOLDPROOF_TRY(add_pictures(file.fields(), motions, request, done));

@@ -98,7 +98,7 @@ CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const
                    .numbers = {},
                    .whole = not_tested.empty() && report.among_fixed.empty() && report.left.empty()};
   if (!report.left.empty()) {
-    out.sentence << "; left as it was: ";
+    out.sentence << "; left: ";
     append(out.sentence, contact_sentence(motions, request.check, contact_totals(report.left, report)));
   }
   out.sentence << with_untested(".", not_tested);

@@ -14,7 +14,7 @@ interface Frame {
   limit: 'none' | 'no_free_start' | 'given_up';
 }
 
-type Lists = 'before' | 'remaining' | 'among_fixed';
+type Lists = 'before' | 'remaining' | 'left' | 'among_fixed';
 
 /** What `repair --json` writes, and what was asked for. */
 export interface Repair extends Record<Lists, PicturedContact[]> {
@@ -31,6 +31,7 @@ export interface Repair extends Record<Lists, PicturedContact[]> {
   fixed: string[];
   only: string[];
   ignore: [string, string][];
+  between: [string, string][]; // whose contacts alone were to be repaired
 }
 
 export interface Pictures {
@@ -56,7 +57,7 @@ const largest = (frames: Frame[]): Frame => frames.reduce((a, b) => (b.correctio
 
 function lead({ repair, objects }: RepairData, unit: string): string {
   const { counts, frames } = repair;
-  const parts = [`${counted(frames.filter(isOfInput).length, 'frame')} of ${counted(objects.length, 'object')} (${counted(objects.reduce((sum, { triangles }) => sum + triangles, 0), 'triangle')}), with ${counts.before === 0 ? 'no contacts' : counted(counts.before, 'contact')}.`];
+  const parts = [`${counted(frames.filter(isOfInput).length, 'frame')} of ${counted(objects.length, 'object')} (${counted(objects.reduce((sum, { triangles }) => sum + triangles, 0), 'triangle')}), with ${counts.before === 0 ? 'no contacts' : counted(counts.before, 'contact')}${counts.left > 0 ? ' to repair' : ''}.`];
   if (!repair.written || repair.unchanged) return parts[0]!;
   const worst = largest(frames);
   const added = frames.filter((frame) => !isOfInput(frame)).length;
@@ -116,14 +117,16 @@ function mostMoved(frames: Frame[], unit: string): HTMLElement {
   return section(most.length < kMostMoved ? 'Frames that were moved' : 'The ten frames that were moved most', table(['frame', 'moved by', ''], most.map((frame) => [short(frame.time), lengthText(frame.correction, unit), notesOf(frame)]), [false, true, false]));
 }
 
-function settings({ falloff, fixed, ignore, only, thickness, unit = '' }: Repair): HTMLElement {
+function settings({ between, falloff, fixed, ignore, only, thickness, unit = '' }: Repair): HTMLElement {
   const length = (value: number) => (value > 0 ? lengthText(value, unit) : '0');
+  const pairs = (names: [string, string][]) => names.map((pair) => pair.join(' – ')).join(', ');
   const rows = [
     ['thickness', length(thickness)],
     ['falloff', falloff > 0 ? length(falloff) : ''],
     ['fixed', fixed.join(', ')],
     ['only', only.join(', ')],
-    ['ignore', ignore.map((pair) => pair.join(' – ')).join(', ')],
+    ['ignore', pairs(ignore)],
+    ['contact', pairs(between)],
   ].filter(([, value]) => value);
   return section('Settings', table(['setting', 'value'], rows as string[][], [false, false]));
 }
@@ -137,7 +140,7 @@ export function repairSections(data: RepairData): (HTMLElement | null)[] {
   const [low, high] = [repair.frames[0]!.time, repair.frames.at(-1)!.time];
   const scale: Scale = { unit, poses: false, single: low === high, unknownFrames: 0, low, high };
   const cards = data.pictures.map((pictures) => comparison(data, pictures, scale));
-  const listed = (list: Lists, heading: string) => (list === 'before' && moved ? null : contactsSection(repair[list], repair.counts[list], undefined, scale, heading));
+  const listed = (list: Lists, heading: string) => (contactsSection(repair[list], repair.counts[list], undefined, scale, heading));
   return [
     el('header', {}, el('div', {}, el('p', { className: 'brand' }, 'Foldproof repair'), el('h1', { className: verdict.kind }, verdict.text)), themeButton()),
     el('p', { className: 'lead' }, lead(data, unit)),
@@ -146,6 +149,7 @@ export function repairSections(data: RepairData): (HTMLElement | null)[] {
     listed('remaining', 'What remains'),
     moved && repair.frames.length > 1 ? corrections(repair.frames, unit) : null,
     moved && repair.frames.length > 1 ? mostMoved(repair.frames, unit) : null,
+    listed('left', 'What was left'),
     listed('among_fixed', 'What may not move, with itself'),
     section('Objects', table(['object', 'vertices', 'triangles', 'frames'], objects.map((o) => [o.name, grouped(o.vertices), grouped(o.triangles), grouped(o.frames)]), [false, true, true, true])),
     settings(repair),
