@@ -247,7 +247,7 @@ Result<std::function<bool(const Contact&)>> internal::contacts_between(
     const auto is = [&](const std::string& name, const Contact::Side& side) {
       return Named(name, motions, named).is(side.object, side.part);
     };
-    const auto& [a, b] = contact.sides;
+    const Contact::Side &a = contact.sides[0], &b = contact.sides[1];
     return std::ranges::any_of(named.ignore, [&](const auto& pair) {
       return (is(pair[0], a) && is(pair[1], b)) || (is(pair[0], b) && is(pair[1], a));
     });
