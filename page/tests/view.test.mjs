@@ -407,7 +407,7 @@ test('repairs one object beside another that may not move', async () => {
     await page.click('.repair label >> text=body');
     await page.click('.repair .form button >> text=Repair');
     await until(page, (s) => s.repaired, 'the repaired motion', 30_000);
-    assert.match(await textOf(page, '.stage > .badge'), /but what may not move, with itself/);
+    assert.match(await textOf(page, '.stage > .badge'), /apart from what may not move, which touches itself/);
     assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save shirt-repaired.npz']);
     // Only the contacts of a card, and what stays is said.
     await page.click('.contacts .contact >> text=body with itself');

@@ -210,6 +210,7 @@ Result<Analysis::Contacts> Analysis::finish() {
     FOLDPROOF_TRY(find_contacts(last_time_, last_, FOLDPROOF_TRY(prover_->check(last_, last_))));
   for (Contact& contact : finder_->finish()) ended_.push_back(std::move(contact));
   std::ranges::sort(ended_, {}, &Contact::number);
+  sort_seams();
   Contacts out;
   for (Contact& contact : ended_) {
     const bool moves = movable_contacts_.contains(contact.number);
@@ -264,8 +265,13 @@ void Analysis::note_seams(const StepResult* step) {
       }
     }
   });
+  if (seams_.size() > 2 * distinct_seams_) sort_seams();
+}
+
+void Analysis::sort_seams() {
   std::sort(seams_.begin(), seams_.end());
   seams_.erase(std::unique(seams_.begin(), seams_.end()), seams_.end());
+  distinct_seams_ = seams_.size();
 }
 
 Result<std::optional<std::vector<double>>> internal::untangle(const RepairScene& scene, Prover& prover,

@@ -61,6 +61,7 @@ class Analysis {
   Result<void> find_contacts(double time, std::span<const double> x, const StepResult* step);
   void note_movable(const StepResult* step);
   void note_seams(const StepResult* step);
+  void sort_seams();
   bool moves(std::span<const Index> a, std::span<const Index> b) const;
   template <class Visit>
   void for_touching(const StepResult* step, const Visit& visit) const;
@@ -75,7 +76,8 @@ class Analysis {
   std::optional<ContactFinder> finder_;
   std::set<Index> movable_contacts_;  // numbers
   bool notes_seams_ = true;
-  std::vector<Seam> seams_;  // ascending
+  std::vector<Seam> seams_;  // ascending after finish()
+  std::size_t distinct_seams_ = 0;
   StepResult all_pairs_;
   StaticResult all_crossings_;
   std::vector<double> last_;

@@ -21,7 +21,7 @@ void append(Sentence& out, const Sentence& more) {
 
 // Without what was left.
 Sentence sentence_of(const RepairReport& report) {
-  const char* but = report.among_fixed.empty() ? "" : ", but what may not move, with itself";
+  const char* but = report.among_fixed.empty() ? "" : ", apart from what may not move, which touches itself";
   Sentence out;
   if (!report.left.empty() && report.before.empty())
     return out << "The motion is as it was: none of the contacts was chosen";

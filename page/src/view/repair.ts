@@ -44,7 +44,7 @@ export class RepairPanel {
   /** Each repair has another. */
   version = 0;
   private readonly open = el('button', { className: 'small', type: 'button' });
-  private readonly choose = el('button', { className: 'small', type: 'button' }, 'What may move…');
+  private readonly choose = el('button', { className: 'small', type: 'button' });
   private readonly chosenOnly = el('p', { className: 'note' });
   private readonly form = el('div', { className: 'form', hidden: true });
   private readonly movable: HTMLInputElement[];
@@ -80,6 +80,7 @@ export class RepairPanel {
     this.sides = { before: side('before', 'Before'), after: side('after', 'After') };
     this.result.append(this.said, el('div', { className: 'row', role: 'group', 'aria-label': 'What is shown' }, this.sides.before, this.sides.after), this.saving);
     this.element.append(el('div', { className: 'row' }, this.open, this.choose), this.form, this.running, this.result);
+    this.showForm(false);
     onRepairProgress((share) => (this.bar.value = share));
   }
 
@@ -131,6 +132,8 @@ export class RepairPanel {
     this.form.hidden = !shown;
     this.open.hidden = shown;
     this.choose.hidden = shown || this.asks || this.scene.parts.length === 0;
+    const still = this.still.filter(({ checked }) => checked).length;
+    setText(this.choose, still > 0 ? `${counted(still, 'part')} ${still === 1 ? 'stays' : 'stay'}…` : 'What may move…');
     this.chosenOnly.hidden = this.only === null;
     setText(this.chosenOnly, this.only ? `Only this is repaired: ${this.only.title}. Other contacts stay.` : '');
   }
