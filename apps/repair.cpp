@@ -102,8 +102,11 @@ std::string summary_of(const RepairArguments& a, Motions motions, const RepairRe
           colored(printable(repair_verdict(motions, request, report).sentence.text()),
                   report.free ? Tone::Good : Tone::Bad) +
           "\n";
-  if (!report.free && report.left.empty() && a.start.empty() && a.models.empty())
+  if (no_way(request, report)) {
+    text += "Let it move, too, or add frames (--in-betweens N).\n";
+  } else if (!report.free && report.left.empty() && a.start.empty() && a.models.empty()) {
     text += "A pose that touches nothing may help (--start FILE or --model FILE).\n";
+  }
   const auto listed = [&](const std::vector<Contact>& contacts) {
     return contact_lines(motions, settings, contact_totals(contacts, report),
                          a.all_contacts ? std::numeric_limits<std::size_t>::max() : kFewContacts);

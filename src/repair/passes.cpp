@@ -86,9 +86,9 @@ Result<bool> Passes::advance(double from, double to, std::vector<double>& x, int
   FrameOutcome outcome = FOLDPROOF_TRY(follow(x, {last_target, target, target, to}, 1, next));
   const double jump = largest_difference(next, target, x, last_target) / tools_.edge;
   auto way = tools_.solver->ways()[0];
-  if (jump > kJump) {
+  if (jump > kJump || !outcome.arrived) {
     std::vector<double> other;
-    const int parts = static_cast<int>(std::min(kMaxParts, std::ceil(jump)));
+    const int parts = static_cast<int>(outcome.arrived ? std::min(kMaxParts, std::ceil(jump)) : kMaxParts);
     const FrameOutcome of_other = FOLDPROOF_TRY(follow(x, {last_target, target, target, to}, parts, other));
     if (of_other.arrived &&
         (!outcome.arrived || square_distance(other, target) < kMuchBetter * square_distance(next, target))) {

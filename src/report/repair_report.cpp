@@ -20,7 +20,7 @@ void append(Sentence& out, const Sentence& more) {
 }
 
 // Without what was left.
-Sentence sentence_of(const RepairReport& report) {
+Sentence sentence_of(const RepairRequest& request, const RepairReport& report) {
   const char* but = report.among_fixed.empty() ? "" : ", apart from what may not move, which touches itself";
   Sentence out;
   if (!report.left.empty() && report.before.empty())
@@ -37,6 +37,7 @@ Sentence sentence_of(const RepairReport& report) {
                            : "Nothing could be repaired, and nothing was written")
         << ": something touches in ";
     append(out, frames_named(report.frames, [&](const RepairedFrame& f) { return !is_free(f); }));
+    if (no_way(request, report)) out << ", as what may not move leaves no way";
   }
   return out;
 }
@@ -54,6 +55,11 @@ Json contacts_json(Motions motions, const CheckSettings& settings, const RepairR
 }
 
 }  // namespace
+
+bool no_way(const RepairRequest& request, const RepairReport& report) {
+  return (!request.fixed.empty() || !request.only.empty()) &&
+         std::ranges::any_of(report.frames, [](auto& f) { return f.limit == RepairLimit::GivenUp; });
+}
 
 CheckTotals contact_totals(std::vector<Contact> contacts, const RepairReport& report) {
   CheckTotals totals;
@@ -94,7 +100,7 @@ CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const
   CheckVerdict out{.kind = !report.free          ? CheckVerdictKind::Found
                            : report.left.empty() ? CheckVerdictKind::Free
                                                  : CheckVerdictKind::Limited,
-                   .sentence = sentence_of(report),
+                   .sentence = sentence_of(request, report),
                    .numbers = {},
                    .whole = not_tested.empty() && report.among_fixed.empty() && report.left.empty()};
   if (!report.left.empty()) {

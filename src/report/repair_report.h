@@ -12,6 +12,9 @@ namespace foldproof {
 /// Whether the motion touches nothing now, or where it still does, and what was not tested.
 CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const RepairReport& report);
 
+/// Frames were given up, and something may not move: letting it move may help.
+bool no_way(const RepairRequest& request, const RepairReport& report);
+
 /// "frame 3", "frames 3, 5-9 and 7 more"; empty: none is meant.
 Sentence frames_named(const std::vector<RepairedFrame>& frames,
                       const std::function<bool(const RepairedFrame&)>& is_meant);
