@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <numbers>
 #include <random>
 
 #include "base/callers.h"
@@ -250,6 +251,49 @@ TEST(Repair, WhereThereIsNoWayFramesAreGivenUp) {
   EXPECT_EQ(done.frames[4], motion.frames[4]);
   EXPECT_EQ(done.report.among_fixed.size(), 1u);  // the two walls
   EXPECT_EQ(done.report.frames[0].limit, RepairLimit::None);
+}
+
+// A long body that may not move turns and sinks through a sheet: straight ways lead through it at first.
+TEST(Repair, WhereThereIsNoWayAtOnceItIsFollowedInParts) {
+  constexpr Index kAround = 12, kRings = 8, kSide = 13;
+  constexpr double kTurn = 0.9;
+  Mesh body;
+  body.vertex_count = kAround * (kRings + 1);
+  for (Index v = 0; v < body.vertex_count; ++v) {
+    const double t = std::numbers::pi * (v / kAround + 0.01) / (kRings + 0.02);
+    const double turn = 2 * std::numbers::pi * (v % kAround) / kAround;
+    const Vec3 p(std::sin(t) * std::cos(turn), std::sin(t) * std::sin(turn), 2 * std::cos(t));
+    body.positions.insert(body.positions.end(), p.begin(), p.end());
+    const Index next = v % kAround + 1 < kAround ? v + 1 : v + 1 - kAround;
+    if (v >= kAround * kRings) continue;
+    body.triangles.push_back({v, next, next + kAround});
+    body.triangles.push_back({v, next + kAround, v + kAround});
+  }
+  TestMotion motion;
+  Mesh sheet;
+  sheet.vertex_count = kSide * kSide;
+  for (Index v = 0; v < sheet.vertex_count; ++v) {
+    const Index x = v % kSide, y = v / kSide;
+    sheet.positions.insert(sheet.positions.end(), {x / (kSide - 1.0), y / (kSide - 1.0), 0});
+    if (x + 1 == kSide || y + 1 == kSide) continue;
+    sheet.triangles.push_back({v, v + 1, v + kSide + 1});
+    sheet.triangles.push_back({v, v + kSide + 1, v + kSide});
+  }
+  motion.meshes = {body, sheet};
+  for (int k = 0; k < 5; ++k) {
+    const double c = std::cos(kTurn * k), s = std::sin(kTurn * k);
+    Pose x;
+    for (Index v = 0; v < body.vertex_count; ++v) {
+      const Vec3 p = 0.2 * Vec3::load(&body.positions[3 * std::size_t{v}]);
+      x.insert(x.end(), {0.47 + c * p.x() - s * p.z(), 0.52 + p.y(), 0.45 - 0.2 * k + s * p.x() + c * p.z()});
+    }
+    x.insert(x.end(), sheet.positions.begin(), sheet.positions.end());
+    motion.frames.push_back(std::move(x));
+  }
+  motion.fix(0);
+  RepairSettings settings;
+  settings.calm = false;
+  EXPECT_TRUE(repaired(motion, settings).report.free);
 }
 
 // Where some vertices of a triangle may move and others not, too.
