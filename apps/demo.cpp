@@ -69,7 +69,7 @@ Result<void> write_motions(const fs::path& directory, Motion& walk) {
   const auto poses = legs("poses", training_strides());
   const auto shirt = skirt("shirt", walking_strides());
   const auto cloth = skirt("cloth", gait(5, 0.45, 0.5));
-  const auto at = [&](const char* name) { return (directory / name).string(); };
+  const auto at = [&](const char* name) { return (directory / name).generic_string(); };
   FOLDPROOF_TRY(write_glb(at("walk.glb"), walk));
   FOLDPROOF_TRY(write_motion(at("body.npz"), walk));
   FOLDPROOF_TRY(write_glb(at("run.glb"), *run));
@@ -88,7 +88,7 @@ Result<void> write_model(const fs::path& directory, Motion& walk, const TrainHoo
   std::vector<TrainPose> poses;
   for (Index frame = 0; frame < motion->frame_count(); ++frame) poses.push_back({motion.get(), frame});
   const auto model = FOLDPROOF_TRY(train_model(poses, {}, hooks));
-  FOLDPROOF_TRY(save_model(model, (directory / "body.model").string()));
+  FOLDPROOF_TRY(save_model(model, (directory / "body.model").generic_string()));
 
   // Tracks of all vertices, so that they fit whatever model is trained later.
   std::string tracks = "frame,vertex,x,y,z\n", coordinates;
@@ -100,8 +100,8 @@ Result<void> write_model(const fs::path& directory, Motion& walk, const TrainHoo
     const Eigen::VectorXd p = model.learned->pca.project(x);
     coordinates += fmt::format("{}\n", fmt::join(p.begin(), p.end(), ","));
   }
-  FOLDPROOF_TRY(io::write_file((directory / "tracks.csv").string(), tracks));
-  return io::write_file((directory / "p.csv").string(), coordinates);
+  FOLDPROOF_TRY(io::write_file((directory / "tracks.csv").generic_string(), tracks));
+  return io::write_file((directory / "p.csv").generic_string(), coordinates);
 }
 
 Result<int> demo(const DemoArguments& a) {
@@ -111,7 +111,7 @@ Result<int> demo(const DemoArguments& a) {
   const std::atomic<bool>& interrupted = watch_for_interrupt();
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(target, ignored)))
-    return fail(ErrorCode::FileAccess, target.string(), "is already there", "name a new directory");
+    return fail(ErrorCode::FileAccess, target.generic_string(), "is already there", "name a new directory");
   auto directory = FOLDPROOF_TRY(io::NewDirectory::open(target));
   const auto walk = legs("walk", walking_strides());
   FOLDPROOF_TRY(write_motions(directory.path(), *walk));
@@ -126,7 +126,7 @@ Result<int> demo(const DemoArguments& a) {
     print_output(
         fmt::format("Wrote a generated motion and its model into {0}. Now try:\n  cd {0}\n  foldproof check "
                     "walk.glb\n  foldproof view walk.glb\n",
-                    target.string()));
+                    target.generic_string()));
   return kExitClean;
 }
 

@@ -1,7 +1,6 @@
 #include "file_arguments.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "io/formats.h"
 #include "io/named_files.h"
 #include "io/numbered.h"
+#include "system/file.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -31,16 +31,17 @@ Result<void> require_directory_to_write(const std::string& where, const fs::path
   const fs::file_status status = fs::status(directory, code);
   if (!fs::exists(status))
     return fail(ErrorCode::FileAccess, where,
-                fmt::format("cannot be written: there is no directory '{}'", directory.string()),
+                fmt::format("cannot be written: there is no directory '{}'", directory.generic_string()),
                 "make it, or name another file");
   if (!fs::is_directory(status))
     return fail(ErrorCode::FileAccess, where,
-                fmt::format("cannot be written: '{}' is no directory", directory.string()),
+                fmt::format("cannot be written: '{}' is no directory", directory.generic_string()),
                 "name another file");
-  if (::access(directory.c_str(), W_OK | X_OK) != 0)
-    return fail(ErrorCode::FileAccess, where,
-                fmt::format("cannot be written: nothing may be written into '{}'", directory.string()),
-                "name a file elsewhere, or change the permissions");
+  if (!system::may_write(directory))
+    return fail(
+        ErrorCode::FileAccess, where,
+        fmt::format("cannot be written: nothing may be written into '{}'", directory.generic_string()),
+        "name a file elsewhere, or change the permissions");
   return {};
 }
 
@@ -56,12 +57,14 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
     if (output == Output::Text) return {};
     return fail(ErrorCode::InvalidArgument, where, "cannot be standard output", "name a file");
   }
+  if (const std::string problem = system::problem_of_name(path); !problem.empty())
+    return fail(ErrorCode::InvalidArgument, where, "cannot be written: " + problem, "give it another name");
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   if (code == std::errc::filename_too_long)
     return fail(ErrorCode::FileAccess, where, "cannot be written: the name is too long",
                 "give a shorter one");
-  if (path.back() == '/' || fs::is_directory(status))
+  if (system::separators().find(path.back()) != std::string_view::npos || fs::is_directory(status))
     return fail(ErrorCode::FileAccess, where, "cannot be written: it is a directory", "name a file in it");
   if (output == Output::Motion) {
     std::vector<std::string> written{".npz", ".obj", ".ply"};
@@ -72,7 +75,7 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
   }
   // A pipe or a terminal is written directly.
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    if (::access(path.c_str(), W_OK) == 0) return {};
+    if (system::may_write(path)) return {};
     return fail(ErrorCode::FileAccess, where, "cannot be written: it is not yours to write",
                 "name another file");
   }
@@ -108,7 +111,7 @@ struct Taken {
 
 Taken taken_by(const std::string& where, const fs::path& path, Output output) {
   Taken taken{where, {io::canonical(path)}, {}, {}};
-  if (output == Output::Motion && extension_of(path.string()) == ".obj") {
+  if (output == Output::Motion && extension_of(path.generic_string()) == ".obj") {
     for (const char* cache : {".pc2", ".mdd"})
       taken.names.push_back(io::canonical(fs::path(path).replace_extension(cache)));
   }
@@ -139,14 +142,14 @@ bool writes_into(const Taken& output, const Taken& other) {
 std::vector<fs::path> replaced(const fs::path& path, Output output) {
   std::vector<fs::path> files{path};
   const fs::path stem = fs::path(path).replace_extension();
-  if (output == Output::Motion && extension_of(path.string()) == ".obj")
+  if (output == Output::Motion && extension_of(path.generic_string()) == ".obj")
     files.push_back(fs::path(path).replace_extension(".pc2"));
   if (output == Output::Collection) {
     std::error_code code;
     for (fs::directory_iterator at(stem, code), end; !code && at != end; at.increment(code))
       files.push_back(at->path());
   }
-  const auto pattern = io::number_pattern(path.string());
+  const auto pattern = io::number_pattern(path.generic_string());
   if (pattern && (output == Output::Numbered || output == Output::Motion)) {
     std::error_code ignored;
     const auto numbered = io::numbered_files(*pattern, ignored);
@@ -194,10 +197,10 @@ Result<void> require_apart(const Option& option, const std::string& name, Input 
     const auto id = io::file_id(file);
     const auto clash = id ? outputs.replaceable.find(*id) : outputs.replaceable.end();
     if (clash == outputs.replaceable.end()) continue;
-    return fail(
-        ErrorCode::InvalidArgument, clash->second,
-        fmt::format("would write over '{}', which is read ({} {})", file.string(), option.name(), name),
-        "name another file to write");
+    return fail(ErrorCode::InvalidArgument, clash->second,
+                fmt::format("would write over '{}', which is read ({} {})", file.generic_string(),
+                            option.name(), name),
+                "name another file to write");
   }
   for (const Taken& output : outputs.taken) {
     const auto becomes_frame = [&](const std::string& taken) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "system/file.h"
+
 namespace foldproof {
 namespace {
 
@@ -19,10 +21,9 @@ FileWatch::FileWatch(const FileArguments& files, const std::atomic<bool>& interr
 FileWatch::State FileWatch::look() const {
   State state;
   for (const fs::path& path : files_.files_read()) {
-    std::error_code none, code;
-    const auto time = fs::last_write_time(path, none);
-    const std::uintmax_t size = fs::file_size(path, code);  // a directory has none
-    state.emplace_back(path.string(), code ? 0 : size, none ? fs::file_time_type() : time);
+    const auto status = system::status_of(path).value_or(system::FileStatus());
+    const bool is_file = status.kind == system::FileKind::File;
+    state.emplace_back(path.generic_string(), is_file ? status.size : 0, status.modified);
   }
   std::ranges::sort(state);
   return state;

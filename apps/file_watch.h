@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <tuple>
@@ -26,7 +27,7 @@ class FileWatch {
 
  private:
   /// Name, size and time of the last change; of a missing file, the name alone.
-  using State = std::vector<std::tuple<std::string, std::uintmax_t, std::filesystem::file_time_type>>;
+  using State = std::vector<std::tuple<std::string, std::uint64_t, std::int64_t>>;
 
   State look() const;
   /// False: interrupted.

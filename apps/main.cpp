@@ -1,12 +1,8 @@
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <csignal>
-#include <cstdio>
 #include <exception>
 
 #include "base/try.h"
 #include "commands.h"
+#include "system/program.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -20,9 +16,8 @@ constexpr const char* kProgramFooter =
     "Try:\n  foldproof check walk.glb\n  foldproof view walk.glb\n  foldproof help check\n  foldproof "
     "help train";
 
-Result<int> run(int argc, char** argv) {
+Result<int> run(std::span<char* const> arguments) {
   CommandLine program(kAbout, kProgramFooter);
-  const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
   const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)},
                                                                  {"view", add_view(program)},
                                                                  {"repair", add_repair(program, arguments)},
@@ -49,13 +44,6 @@ Result<int> run(int argc, char** argv) {
   return kExitError;
 }
 
-/// Files that are opened later must not take the place of a standard stream that was closed at the start.
-void open_standard_streams() {
-  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
-    if (::fcntl(descriptor, F_GETFD) == -1 && ::open("/dev/null", O_RDWR) < 0) return;
-  }
-}
-
 int finish(const Result<int>& result) {
   if (result) {
     if (const auto done = flush_output(); !done) return finish(tl::unexpected(done.error()));
@@ -69,13 +57,8 @@ int finish(const Result<int>& result) {
 }  // namespace foldproof
 
 int main(int argc, char** argv) {
-  foldproof::open_standard_streams();
-  // A closed pipe, as in `foldproof check ... | head`, must not end the check.
-  std::signal(SIGPIPE, SIG_IGN);
-  // Exceeding a file size limit must not end it either, which would leave an incomplete file: writing fails.
-  std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return foldproof::finish(foldproof::run(argc, argv));
+    return foldproof::finish(foldproof::run(foldproof::system::start_program(argc, argv)));
   } catch (const std::bad_alloc&) {
     return foldproof::finish(foldproof::fail(foldproof::ErrorCode::LimitExceeded, "memory",
                                              "there is not enough",

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 
 #include "base/try.h"
 #include "io/progress.h"
 #include "progress_bar.h"
+#include "system/program.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -42,15 +42,8 @@ std::string command_line(std::span<char* const> arguments) {
   return line;
 }
 
-void on_interrupt(void (*handler)(int)) {
-  std::signal(SIGINT, handler);
-  std::signal(SIGTERM, handler);
-  // A closed terminal, unless nohup has disabled the signal.
-  if (std::signal(SIGHUP, handler) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
-}
-
 const std::atomic<bool>& watch_for_interrupt() {
-  on_interrupt(interrupt);
+  system::on_interrupt(interrupt);
   return interrupted;
 }
 

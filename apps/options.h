@@ -69,11 +69,8 @@ std::string in_quotes(std::string_view text);
 /// The command line, quoted for a shell, with foldproof as the program's name.
 std::string command_line(std::span<char* const> arguments);
 
-/// From now on SIGINT, SIGTERM and SIGHUP call `handler`.
-void on_interrupt(void (*handler)(int));
-
-/// From now on they set the returned flag instead of ending the program, so that no incomplete file is left
-/// behind.
+/// From now on Ctrl-C and its like (system::on_interrupt) set the returned flag instead of ending the
+/// program, so that no incomplete file is left behind.
 const std::atomic<bool>& watch_for_interrupt();
 
 }  // namespace foldproof

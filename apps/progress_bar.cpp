@@ -1,31 +1,14 @@
 #include "progress_bar.h"
 
 #include <fmt/format.h>
-#include <pthread.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <cstdio>
+
+#include "system/program.h"
 
 namespace foldproof {
 namespace {
-
-/// Signals are for the thread that watches for them.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    ::sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-  ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  ::sigset_t before_;
-};
 
 std::string clock_text(double seconds) {
   const std::int64_t whole = std::llround(seconds);
@@ -34,10 +17,8 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && ::isatty(STDERR_FILENO) == 1) {
-  if (!enabled_) return;
-  const SignalsBlocked blocked;  // inherited by the thread
-  thread_ = std::thread([this] { run(); });
+ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && system::is_terminal(stderr)) {
+  if (enabled_) thread_ = system::thread_without_signals([this] { run(); });
 }
 
 ProgressBar::~ProgressBar() {

@@ -1,7 +1,6 @@
 #include "terminal.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 
 #include "base/duration.h"
 #include "report/verdict.h"
+#include "system/program.h"
 
 namespace foldproof {
 
@@ -27,18 +27,9 @@ std::FILE* output = stdout;
 /// The errno of the first failure of standard output; 0 if there was none.
 int output_failure = 0;
 
-bool has_color(std::FILE* stream) {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string_view(value != nullptr ? value : "");
-  };
-  const std::string_view terminal = variable("TERM");
-  return variable("NO_COLOR").empty() && !terminal.empty() && terminal != "dumb" &&
-         ::isatty(::fileno(stream)) == 1;
-}
-
 std::string colored_for(std::FILE* stream, const std::string& text, Tone tone) {
-  if (!has_color(stream)) return text;
+  const char* unwanted = std::getenv("NO_COLOR");
+  if ((unwanted != nullptr && *unwanted != '\0') || !system::has_colors(stream)) return text;
   constexpr std::array kCodes = {32, 31, 33};  // green, red, yellow
   return fmt::format("\x1b[1;{}m{}\x1b[0m", kCodes[static_cast<std::size_t>(tone)], text);
 }
@@ -62,7 +53,7 @@ void print_output(const std::string& text) {
 
 Result<void> flush_output() {
   if (output_failure == 0 && std::fflush(output) != 0) output_failure = errno;
-  if (output_failure == 0 || output_failure == EPIPE) return {};
+  if (output_failure == 0 || system::is_closed_pipe(output_failure)) return {};
   return fail(ErrorCode::FileAccess, output == stdout ? "standard output" : "standard error",
               "cannot be written: " + std::generic_category().message(output_failure),
               "check where it goes and the free space");

@@ -1,7 +1,4 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
 #include <cstdlib>
 
@@ -9,6 +6,7 @@
 #include "commands.h"
 #include "page_files.h"
 #include "step_options.h"
+#include "system/program.h"
 #include "terminal.h"
 
 namespace foldproof {
@@ -39,20 +37,6 @@ struct ViewArguments : StepArguments {
   bool no_browser = false;
 };
 
-/// Opens the page if there is a display. Failure is no error, as the address has been printed.
-void open_browser(const std::string& address) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
-  posix_spawn_file_actions_t quiet;
-  posix_spawn_file_actions_init(&quiet);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
-  std::string program = "xdg-open", argument = address;
-  char* const argv[] = {program.data(), argument.data(), nullptr};
-  pid_t child = 0;
-  ::posix_spawnp(&child, program.c_str(), &quiet, nullptr, argv, environ);
-  posix_spawn_file_actions_destroy(&quiet);
-}
-
 // At once, whatever is checked and connected. There is nothing to finish: temporary files have no names.
 extern "C" void end(int) { std::_Exit(kExitClean); }
 
@@ -69,11 +53,11 @@ Result<int> view(const ViewArguments& a) {
   const auto page =
       FOLDPROOF_TRY(Page::open({std::move(opened.motions), std::move(opened.settings), a.motion.read}));
   auto server = FOLDPROOF_TRY(PageServer::open(*page, files, a.port));
-  on_interrupt(end);
+  system::on_interrupt(end);
   const std::string address = fmt::format("http://127.0.0.1:{}/", server.port());
   print_output(fmt::format("{} (Ctrl-C ends it)\n", address));
   FOLDPROOF_TRY(flush_output());
-  if (!a.no_browser) open_browser(address);
+  if (!a.no_browser) system::open_browser(address);  // failure is no error: the address has been printed
   FOLDPROOF_TRY(server.serve());
   return kExitClean;
 }

@@ -1,94 +1,55 @@
 #include "io/bytes.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <system_error>
-#include <utility>
 
 #include "base/try.h"
 #include "io/recognize.h"
 
 namespace foldproof::io {
-namespace {
-
-std::string reason(int code) { return std::generic_category().message(code); }
-
-}  // namespace
 
 Result<InputFile> InputFile::open(const std::string& path) {
-  InputFile file;
-  file.path_ = path;
-  // Without O_NONBLOCK, opening a named pipe would block until another process opens it.
-  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file.descriptor_ < 0) {
-    if (errno == ENOENT || errno == ENOTDIR) return does_not_exist(path);
-    return fail(ErrorCode::FileAccess, path, "cannot be opened: " + reason(errno),
+  InputFile input;
+  input.path_ = path;
+  std::error_code code;
+  input.file_ = system::File::open(path, system::File::Mode::Read, code);
+  if (code == std::errc::no_such_file_or_directory || code == std::errc::not_a_directory)
+    return does_not_exist(path);
+  if (code) {
+    return fail(ErrorCode::FileAccess, path, "cannot be opened: " + code.message(),
                 "check the name and the permissions");
   }
-  struct stat status {};
-  if (::fstat(file.descriptor_, &status) != 0) {
-    return fail(ErrorCode::FileAccess, path, "cannot be examined: " + reason(errno),
-                "check the name and the permissions");
-  }
-  if (!S_ISREG(status.st_mode)) {
+  const auto status = input.file_.status();
+  if (!status)
+    return fail(ErrorCode::FileAccess, path, "cannot be examined", "check the name and the permissions");
+  if (status->kind != system::FileKind::File) {
     return fail(ErrorCode::FileAccess, path, "is not a regular file",
                 "save the data to a file and name that");
   }
-  file.size_ = static_cast<std::uint64_t>(status.st_size);
-  file.modified_ = status.st_mtim;
+  input.status_ = *status;
   std::array<char, kRecognizedBytes> buffer;
-  const auto start = std::span(buffer).first(std::min<std::uint64_t>(file.size_, buffer.size()));
-  FOLDPROOF_TRY(file.read_at(0, start));
+  const auto start = std::span(buffer).first(std::min<std::uint64_t>(input.size(), buffer.size()));
+  FOLDPROOF_TRY(input.read_at(0, start));
   FOLDPROOF_TRY(check_is_data(path, {start.data(), start.size()}));
-  return file;
+  return input;
 }
 
 tl::unexpected<Error> does_not_exist(const std::string& path) {
   return fail(ErrorCode::FileAccess, path, "does not exist", "check the name");
 }
 
-InputFile::InputFile(InputFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      size_(other.size_),
-      modified_(other.modified_) {}
-
-InputFile& InputFile::operator=(InputFile&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(size_, other.size_);
-  std::swap(modified_, other.modified_);
-  return *this;
-}
-
-InputFile::~InputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
 Result<void> InputFile::read_at(std::uint64_t offset, std::span<char> out) const {
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t count =
-        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0)
-      return fail(ErrorCode::FileAccess, path_, "cannot be read: " + reason(errno),
-                  "check the disk it is on");
-    if (count == 0) {
-      return fail(ErrorCode::InvalidFile, at_byte(path_, offset + done),
-                  "the file ends here, but more was expected", "copy or export it again");
-    }
-    done += static_cast<std::size_t>(count);
+  std::error_code code;
+  const std::size_t done = file_.read_at(offset, out, code);
+  if (code)
+    return fail(ErrorCode::FileAccess, path_, "cannot be read: " + code.message(), "check the disk it is on");
+  if (done < out.size()) {
+    return fail(ErrorCode::InvalidFile, at_byte(path_, offset + done),
+                "the file ends here, but more was expected", "copy or export it again");
   }
-  struct stat status {};
-  const bool same = ::fstat(descriptor_, &status) == 0 &&
-                    static_cast<std::uint64_t>(status.st_size) == size_ &&
-                    status.st_mtim.tv_sec == modified_.tv_sec && status.st_mtim.tv_nsec == modified_.tv_nsec;
-  if (!same)
+  const auto status = file_.status();
+  if (!status || status->size != status_.size || status->modified != status_.modified)
     return fail(ErrorCode::InvalidFile, path_, "has been written to since it was opened", "open it again");
   return {};
 }

@@ -5,10 +5,10 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <ctime>
 #include <vector>
 
 #include "io/progress.h"
+#include "system/file.h"
 
 namespace foldproof::io {
 
@@ -17,12 +17,9 @@ class InputFile {
  public:
   /// Error: it cannot be opened, or is not data (recognize.h), whatever the format.
   static Result<InputFile> open(const std::string& path);
-  InputFile(InputFile&& other) noexcept;
-  InputFile& operator=(InputFile&& other) noexcept;
-  ~InputFile();
 
   const std::string& path() const { return path_; }
-  std::uint64_t size() const { return size_; }
+  std::uint64_t size() const { return status_.size; }
 
   /// Fills `out` with the bytes from `offset`. Error: the file ends before `out` is full, or has been written
   /// to since it was opened.
@@ -31,9 +28,8 @@ class InputFile {
  private:
   InputFile() = default;
   std::string path_;
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
-  std::timespec modified_{};
+  system::File file_;
+  system::FileStatus status_;  // when it was opened
 };
 
 /// The error for a path at which there is nothing.

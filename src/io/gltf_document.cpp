@@ -5,9 +5,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "base/c_locale.h"
 #include "base/try.h"
 #include "io/base64.h"
+#include "system/c_locale.h"
 
 namespace foldproof::io {
 namespace {
@@ -438,9 +438,9 @@ Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, cons
                 fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),
                 "put the buffer beside it, or export GLB");
   }
-  Buffer& file = files_[target.string()];
+  Buffer& file = files_[target.generic_string()];
   if (file) return file;
-  auto bytes = read_file(target.string(), progress);
+  auto bytes = read_file(target.generic_string(), progress);
   if (!bytes)
     return fail(bytes.error().code, where,
                 fmt::format("buffer '{}' {}", uri.substr(0, 200), bytes.error().problem),
@@ -461,7 +461,8 @@ std::vector<std::string> gltf_files(const std::string& path) {
     const auto uri = buffer.is_object() ? buffer.find("uri") : buffer.end();
     if (uri == buffer.end() || !uri->is_string() || uri->get_ref<const std::string&>().starts_with("data:"))
       continue;
-    files.push_back((fs::path(path).parent_path() / decode_percent(uri->get<std::string>())).string());
+    files.push_back(
+        (fs::path(path).parent_path() / decode_percent(uri->get<std::string>())).generic_string());
   }
   return files;
 }

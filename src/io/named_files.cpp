@@ -1,44 +1,23 @@
 #include "io/named_files.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <fnmatch.h>
-#include <glob.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cctype>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "base/c_locale.h"
 #include "foldproof/io.h"
 #include "io/formats.h"
 #include "io/numbered.h"
+#include "system/c_locale.h"
 
 namespace foldproof::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The number of a path like /proc/self/fd/1 or /dev/fd/1; -1: it is none.
-int number_of_descriptor(const fs::path& path) {
-  const std::string name = path.filename().string();
-  std::error_code code;
-  if (name.empty() || name.size() > 6 || name.find_first_not_of("0123456789") != name.npos) return -1;
-  const fs::path open = fmt::format("/proc/{}/fd", ::getpid());
-  return fs::canonical(directory_of(path), code) == open ? std::stoi(name) : -1;
-}
-
-/// Whether a descriptor is open on the regular file of this path.
-bool is_open_on(int descriptor, const fs::path& path) {
-  struct ::stat file = {}, open = {};
-  return ::stat(path.c_str(), &file) == 0 && ::fstat(descriptor, &open) == 0 && S_ISREG(file.st_mode) &&
-         file.st_dev == open.st_dev && file.st_ino == open.st_ino;
-}
-
 /// Whether a file may hold frames or motions.
-bool may_be_read(const fs::path& path) { return format_of(path.string()) != nullptr; }
+bool may_be_read(const fs::path& path) { return format_of(path.generic_string()) != nullptr; }
 
 /// Whether an argument stands for what it matches.
 bool is_glob(const std::string& name) {
@@ -94,9 +73,9 @@ class Uris : public nlohmann::json::json_sax_t {
 
 void add_file(const fs::path& path, std::vector<fs::path>& files) {
   files.push_back(path);
-  const std::string extension = extension_of(path.string());
+  const std::string extension = extension_of(path.generic_string());
   if (extension == ".pvd") {
-    for (const std::string& file : pvd_files(path.string()).value_or(std::vector<std::string>()))
+    for (const std::string& file : pvd_files(path.generic_string()).value_or(std::vector<std::string>()))
       files.emplace_back(file);
   }
   if (extension != ".gltf") return;
@@ -127,31 +106,30 @@ WriteTarget write_target(const std::string& path) {
   WriteTarget target{path};
   std::error_code code;
   for (int links = 0; links < kMostLinks; ++links) {
-    target.descriptor = number_of_descriptor(target.file);
+    target.descriptor = system::descriptor_named(target.file);
     if (target.descriptor >= 0 || !fs::is_symlink(target.file, code)) break;
     target.file = directory_of(target.file) / fs::read_symlink(target.file, code);
   }
-  for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO}) {
-    if (target.descriptor < 0 && is_open_on(descriptor, target.file)) target.descriptor = descriptor;
+  for (const int descriptor : {system::kStandardOutput, system::kStandardError}) {
+    if (target.descriptor < 0 && system::is_open_on(descriptor, target.file)) target.descriptor = descriptor;
   }
   return target;
 }
 
 bool is_standard_output(const std::string& path) {
-  return path == "-" || write_target(path).descriptor == STDOUT_FILENO;
+  return path == "-" || write_target(path).descriptor == system::kStandardOutput;
 }
 
 std::string canonical(const std::string& path) {
   std::error_code code;
   const fs::path full = fs::weakly_canonical(fs::absolute(write_target(path).file, code), code);
-  return code ? fs::path(path).lexically_normal().string() : full.string();
+  return code ? fs::path(path).lexically_normal().generic_string() : full.generic_string();
 }
 
 std::optional<FileId> file_id(const fs::path& path) {
-  struct ::stat status = {};
-  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
-  if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) return std::nullopt;
-  return FileId{status.st_dev, status.st_ino};
+  const auto status = system::status_of(path);
+  if (!status || status->kind == system::FileKind::Other) return std::nullopt;
+  return status->id;
 }
 
 std::vector<fs::path> files_of(const std::string& name, bool recursive) {
@@ -165,11 +143,7 @@ std::vector<fs::path> files_of(const std::string& name, bool recursive) {
       add_members<fs::directory_iterator>(name, files);
     }
   } else if (is_glob(name)) {
-    ::glob_t matches{};
-    if (::glob(name.c_str(), GLOB_NOSORT, nullptr, &matches) == 0) {
-      for (std::size_t k = 0; k < matches.gl_pathc; ++k) add_file(matches.gl_pathv[k], files);
-    }
-    ::globfree(&matches);
+    for (const std::string& file : system::glob(name)) add_file(file, files);
   } else if (const auto pattern = number_pattern(name); pattern && !fs::exists(name, code)) {
     for (const std::string& file : numbered_files(*pattern, code)) add_file(file, files);
   } else {
@@ -183,10 +157,10 @@ bool will_read(const std::string& name, const std::string& file) {
   const fs::path full = canonical(file), input = canonical(name);
   if (!may_be_read(full)) return false;
   if (fs::is_directory(name, code))
-    return full.parent_path() == input && !full.filename().string().starts_with('.');
-  if (is_glob(name)) return ::fnmatch(input.c_str(), full.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;
-  const auto pattern = number_pattern(input.string());
-  return pattern && !fs::exists(name, code) && is_numbered(full.string(), *pattern);
+    return full.parent_path() == input && !full.filename().generic_string().starts_with('.');
+  if (is_glob(name)) return system::matches(input.generic_string(), full.generic_string());
+  const auto pattern = number_pattern(input.generic_string());
+  return pattern && !fs::exists(name, code) && is_numbered(full.generic_string(), *pattern);
 }
 
 }  // namespace foldproof::io

@@ -1,12 +1,12 @@
 /// Which files the names of inputs and outputs stand for.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
+
+#include "system/file.h"
 
 namespace foldproof::io {
 
@@ -26,8 +26,7 @@ bool is_standard_output(const std::string& path);
 /// The same text for all spellings of a path, whether or not the file exists.
 std::string canonical(const std::string& path);
 
-/// Identifies a file on a disk, independent of its name.
-using FileId = std::pair<std::uint64_t, std::uint64_t>;
+using system::FileId;
 
 /// None: there is no file or directory that writing could overwrite.
 std::optional<FileId> file_id(const std::filesystem::path& path);

@@ -1,15 +1,13 @@
 #include "io/new_directory.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <system_error>
 #include <utility>
 
 #include "base/try.h"
 #include "io/write_error.h"
+#include "system/file.h"
 
 namespace foldproof::io {
 namespace {
@@ -21,18 +19,19 @@ namespace fs = std::filesystem;
 Result<NewDirectory> NewDirectory::open(fs::path target) {
   NewDirectory made;
   constexpr int kMostTries = 1000;  // another process of this number may have left some behind
-  int code = EEXIST;
-  for (int number = 0; number < kMostTries && code == EEXIST; ++number) {
-    made.path_ =
-        target.parent_path() / fmt::format(".{}.{}-{}.part", target.filename().string(), ::getpid(), number);
-    code = ::mkdir(made.path_.c_str(), 0777) == 0 ? 0 : errno;
-  }
-  if (code == 0) {
-    made.target_ = std::move(target);
-    return made;
+  FOLDPROOF_TRY(require_possible_name(target.string()));
+  std::error_code code = std::make_error_code(std::errc::file_exists);
+  for (int number = 0; number < kMostTries && code == std::errc::file_exists; ++number) {
+    made.path_ = target.parent_path() /
+                 fmt::format(".{}.{}-{}.part", target.filename().string(), system::process_number(), number);
+    if (fs::create_directory(made.path_, code)) {
+      made.target_ = std::move(target);
+      return made;
+    }
+    if (!code) code = std::make_error_code(std::errc::file_exists);  // a directory that is there is no error
   }
   made.path_.clear();
-  return write_error(target, {code, std::generic_category()});
+  return write_error(target.string(), code);
 }
 
 NewDirectory::NewDirectory(NewDirectory&& other) noexcept
@@ -44,19 +43,16 @@ NewDirectory::~NewDirectory() {
 }
 
 Result<void> NewDirectory::commit() {
-  std::error_code code;
-  fs::rename(path_, target_, code);
-  if (code) return write_error(target_, code);
+  if (const std::error_code code = system::rename(path_, target_)) return write_error(target_.string(), code);
   path_.clear();
   return {};
 }
 
 Result<void> NewDirectory::replace() {
-  std::error_code ignored;
   const fs::path old = path_ / "old";
-  fs::rename(target_, old, ignored);  // fails when there is none
+  std::error_code ignored = system::rename(target_, old);  // fails when there is none
   if (auto done = commit(); !done) {
-    fs::rename(old, target_, ignored);
+    ignored = system::rename(old, target_);
     return done;
   }
   fs::remove_all(target_ / "old", ignored);

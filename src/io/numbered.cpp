@@ -10,6 +10,7 @@
 
 #include "io/formats.h"
 #include "io/text.h"
+#include "system/file.h"
 
 namespace foldproof::io {
 namespace {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDigits = "0123456789";
 
-std::size_t file_name_of(const std::string& path) { return path.find_last_of('/') + 1; }
+std::size_t file_name_of(std::string_view path) { return path.find_last_of(system::separators()) + 1; }
 
 /// How two paths differ: what they have in common before the first difference, and what each has then. A
 /// number that differs is whole.
@@ -137,7 +138,7 @@ std::vector<std::string> numbered_files(const NumberPattern& pattern, std::error
   std::vector<std::string> files;
   for (fs::directory_iterator at(directory.empty() ? "." : directory, status), end; !status && at != end;
        at.increment(status)) {
-    std::string file = directory + at->path().filename().string();
+    std::string file = directory + at->path().filename().generic_string();
     if (is_numbered(file, pattern)) files.push_back(std::move(file));
   }
   return files;
@@ -178,7 +179,7 @@ Result<std::vector<std::string>> notes_on_order(std::span<const std::string> pat
   std::size_t jumps = 0, breaks = 0;
   for (std::size_t i = 1; i < paths.size(); ++i) {
     const Difference differ(paths[i - 1], paths[i]);
-    const std::size_t name = differ.before.find_last_of('/') + 1;
+    const std::size_t name = file_name_of(differ.before);
     const std::string a = paths[i - 1].substr(name), b = paths[i].substr(name);
     const bool negative = differ.may_be_negative(signs);
     if (negative || differ.may_be_reversed_fractions()) {

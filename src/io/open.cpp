@@ -1,6 +1,5 @@
 // Opens the motions that a command line names: formats by extension, directories, globs, point caches.
 #include <fmt/format.h>
-#include <glob.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +14,7 @@
 #include "io/formats.h"
 #include "io/numbered.h"
 #include "io/text.h"
+#include "system/file.h"
 
 namespace foldproof {
 namespace io {
@@ -63,7 +63,7 @@ Result<std::unique_ptr<Motion>> open_numbered(std::string name, std::vector<std:
   }
   MotionInfo info{.notes = FOLDPROOF_TRY(notes_on_order(files))};
   if (split_by_number(files).size() > 1) {
-    for (const std::string& file : files) info.frame_names.push_back(fs::path(file).stem().string());
+    for (const std::string& file : files) info.frame_names.push_back(fs::path(file).stem().generic_string());
   }
   if (files.size() > 1) info.taken_as = fmt::format("{} frames of one mesh", files.size());
   return open_sequence(std::move(name), std::move(files), progress, std::move(info));
@@ -80,10 +80,10 @@ Result<std::vector<std::string>> list_directory(const std::string& path) {
   std::error_code status;
   std::vector<std::string> paths;
   for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
-    const std::string name = at->path().filename().string();
+    const std::string name = at->path().filename().generic_string();
     std::error_code ignored;
     if (!name.starts_with('.') && format_of(name) != nullptr && !at->is_directory(ignored))
-      paths.push_back(at->path().string());
+      paths.push_back(at->path().generic_string());
   }
   if (status) return cannot_list(path, status);
   return paths;
@@ -95,21 +95,9 @@ bool is_missing(const std::error_code& status) {
 
 /// What matches a glob, in natural order.
 Result<std::vector<std::string>> expand_glob(const std::string& pattern) {
-  // ::glob passes no state to its callback, which must not throw either.
-  static thread_local std::array<char, 4096> directory;
-  static thread_local int code;
-  const auto stop_at = [](const char* path, int error) {
-    if (is_missing({error, std::generic_category()})) return 0;
-    *fmt::format_to_n(directory.data(), directory.size() - 1, "{}", path).out = '\0';
-    code = error;
-    return 1;
-  };
-  ::glob_t matches{};
-  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, stop_at, &matches);
-  std::vector<std::string> paths(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
-  ::globfree(&matches);
-  if (status == GLOB_ABORTED) return cannot_list(directory.data(), {code, std::generic_category()});
-  if (status == GLOB_NOSPACE) throw std::bad_alloc();
+  system::ListError error;
+  auto paths = system::glob(pattern, &error);
+  if (error.code) return cannot_list(error.directory, error.code);
   std::sort(paths.begin(), paths.end(), natural_less);
   return paths;
 }
@@ -145,11 +133,12 @@ tl::unexpected<Error> missing(const std::string& argument) {
   fs::directory_iterator at(path.has_parent_path() ? path.parent_path() : ".", status);
   for (const fs::directory_iterator end; !status && at != end && names.size() < kCompared;
        at.increment(status))
-    names.push_back(at->path().filename().string());
+    names.push_back(at->path().filename().generic_string());
   std::ranges::sort(names);
   auto error = does_not_exist(argument);
-  const auto near = nearest_name(path.filename().string(), names);
-  if (near) error.value().remedy = fmt::format("did you mean '{}'?", (path.parent_path() / *near).string());
+  const auto near = nearest_name(path.filename().generic_string(), names);
+  if (near)
+    error.value().remedy = fmt::format("did you mean '{}'?", (path.parent_path() / *near).generic_string());
   return error;
 }
 
@@ -400,7 +389,7 @@ Result<std::vector<std::unique_ptr<Motion>>> open_with_progress(std::span<const 
 }  // namespace io
 
 std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
+  std::string extension = std::filesystem::path(path).extension().generic_string();
   for (char& c : extension) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }

@@ -2,11 +2,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <system_error>
+#include <optional>
 #include <utility>
 
 #include "base/try.h"
 #include "io/readers.h"
+#include "system/file.h"
 
 namespace foldproof::io {
 namespace {
@@ -57,15 +58,15 @@ class MeshSequence final : public Motion {
     return std::filesystem::current_path(unknown);
   }
 
-  static std::filesystem::file_time_type time_of(const std::filesystem::path& path) {
-    std::error_code unknown;
-    return std::filesystem::last_write_time(path, unknown);
+  static std::optional<std::int64_t> time_of(const std::filesystem::path& path) {
+    const auto status = system::status_of(path);
+    return status ? std::optional(status->modified) : std::nullopt;
   }
 
   Result<MeshData> read(Index k, const ReadProgress& progress = {}) const {
     // Paths are relative to where the program was when it opened the motion.
     const std::string path =
-        current_directory() == directory_ ? paths_[k] : (directory_ / paths_[k]).string();
+        current_directory() == directory_ ? paths_[k] : (directory_ / paths_[k]).generic_string();
     auto mesh = read_mesh(path, progress);
     if (!mesh) {
       mesh.error().where = with_frame(std::move(mesh.error().where), k);
@@ -111,7 +112,7 @@ class MeshSequence final : public Motion {
 
   std::string name_;
   std::vector<std::string> paths_;
-  std::vector<std::filesystem::file_time_type> modified_;  // when the motion was opened
+  std::vector<std::optional<std::int64_t>> modified_;      // when the motion was opened
   std::filesystem::path directory_ = current_directory();  // the same
   Topology topology_;
   MotionInfo info_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "foldproof/base.h"
+#include "system/file.h"
 
 namespace foldproof::io {
 
@@ -9,18 +10,16 @@ class Spool {
  public:
   /// `where` is for errors.
   static Result<Spool> open(std::string where);
-  Spool(Spool&& other) noexcept;
-  Spool& operator=(Spool&& other) noexcept;
-  ~Spool();
 
   Result<void> append(std::span<const char> bytes);
   /// Fills `out` with the bytes from `offset`; false when they cannot be read.
   bool read_at(std::uint64_t offset, std::span<char> out) const;
 
  private:
-  Spool() = default;
+  Spool(std::string where, system::File file) : where_(std::move(where)), file_(std::move(file)) {}
+
   std::string where_;
-  int descriptor_ = -1;
+  system::File file_;
 };
 
 }  // namespace foldproof::io

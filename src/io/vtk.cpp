@@ -130,17 +130,17 @@ Result<std::vector<std::string>> pvd_files(const std::string& path) {
     const auto leaves = [](const fs::path& part) { return part == ".."; };
     if (name.empty() || name.is_absolute() || std::ranges::any_of(name, leaves)) {
       return fail(ErrorCode::InvalidFile, path,
-                  fmt::format("refers to '{}', which is not below its directory", name.string()),
+                  fmt::format("refers to '{}', which is not below its directory", name.generic_string()),
                   "keep the files of a collection beside it");
     }
     TextCursor text(set.attribute("timestep").as_string("0"), {.comment = '\0', .continuation = false});
     double time = 0;
     if (text.number(time) != Scan::Ok || text.skip_to_content()) {
       return fail(ErrorCode::InvalidFile, path,
-                  fmt::format("the time of '{}' is not a finite number", name.string()),
+                  fmt::format("the time of '{}' is not a finite number", name.generic_string()),
                   "write the file again");
     }
-    frames.emplace_back(time, (fs::path(path).parent_path() / name).string());
+    frames.emplace_back(time, (fs::path(path).parent_path() / name).generic_string());
   }
   std::ranges::stable_sort(frames, {}, &std::pair<double, std::string>::first);
   std::vector<std::string> files;

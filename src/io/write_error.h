@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "foldproof/base.h"
+#include "system/file.h"
 
 namespace foldproof::io {
 
@@ -11,6 +12,13 @@ namespace foldproof::io {
 inline tl::unexpected<Error> write_error(const std::string& path, const std::error_code& code) {
   return fail(ErrorCode::FileAccess, path, "cannot be written: " + code.message(),
               "check the directory, its permissions and the free space");
+}
+
+/// Error: the system keeps a name of this path for other things.
+inline Result<void> require_possible_name(const std::string& path) {
+  const std::string problem = system::problem_of_name(path);
+  if (problem.empty()) return {};
+  return fail(ErrorCode::InvalidArgument, path, "cannot be written: " + problem, "give it another name");
 }
 
 }  // namespace foldproof::io

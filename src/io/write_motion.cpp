@@ -38,7 +38,8 @@ Result<void> write_motion(const std::string& path, Motion& motion) {
   }
   if (const auto pattern = io::number_pattern(path)) return write_frames(*pattern, motion);
   if (extension == ".obj" && motion.frame_count() > 1) {
-    return write_obj_pc2(path, std::filesystem::path(path).replace_extension(".pc2").string(), motion);
+    return write_obj_pc2(path, std::filesystem::path(path).replace_extension(".pc2").generic_string(),
+                         motion);
   }
   if (motion.frame_count() > 1) {
     return fail(ErrorCode::UnsupportedFormat, path,

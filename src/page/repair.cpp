@@ -119,7 +119,7 @@ Result<std::vector<double>> RepairService::frame(Index object, Index k) const {
 
 std::string RepairService::file_name(Index object) const {
   const std::string& source = scene_.motions()[object]->name();
-  const std::string stem = fs::path(source).stem().string() + "-repaired";
+  const std::string stem = fs::path(source).stem().generic_string() + "-repaired";
   const bool still = scene_.motions()[object]->frame_count() == 1 && scene_.frames().size() > 1;
   const bool glb = !still && io::require_gltf_can_be_repaired(stem + ".glb", source).has_value();
   return stem + (glb ? ".glb" : ".npz");
@@ -133,7 +133,7 @@ Result<std::string> RepairService::file(Index object) const {
   std::string path;
   for (std::size_t i = 0; i < done->files.size(); ++i) {
     const Index each = done->motions.movable[i];
-    outputs.paths.push_back((directory.path() / fmt::format("{}-{}", each, done->files[i])).string());
+    outputs.paths.push_back((directory.path() / fmt::format("{}-{}", each, done->files[i])).generic_string());
     if (each == object) path = outputs.paths.back();
   }
   if (path.empty()) return tl::unexpected(nothing_repaired());

@@ -1,5 +1,7 @@
 #include "page/report_file.h"
 
+#include <fmt/chrono.h>
+
 #include <algorithm>
 #include <ctime>
 #include <map>
@@ -31,14 +33,7 @@ std::string html_text(std::string_view text) {
   return safe;
 }
 
-std::string now() {
-  const std::time_t seconds = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&seconds, &utc);
-  char text[32] = {};
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
+std::string now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 // Replaces invalid UTF-8 by U+FFFD.
 std::string valid_utf8(const std::string& text) { return Json::parse(dump(text)).get<std::string>(); }

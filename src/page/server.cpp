@@ -1,14 +1,11 @@
 // HTTP for a page: the only file that uses the server library.
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <system_error>
 #include <thread>
 
 #include "page/page.h"
 #include "page/page_json.h"
+#include "system/socket.h"
 
 // Last: system headers in it define macros that Eigen stumbles over.
 #include <httplib.h>
@@ -67,13 +64,6 @@ void send(PageAnswer answer, httplib::Response& response) {
       });
 }
 
-// In place of the library's SO_REUSEPORT, with which two servers could share a port. This one makes a port
-// available again as soon as its server has ended.
-void reuse_address(int socket) {
-  const int yes = 1;
-  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-}
-
 class HttpServer : public httplib::Server {
  public:
   HttpServer() {
@@ -85,7 +75,8 @@ class HttpServer : public httplib::Server {
     // Host header of its own; and no thread waits for the next one.
     set_keep_alive_max_count(1);
     set_tcp_nodelay(true);
-    set_socket_options(reuse_address);
+    // In place of the library's SO_REUSEPORT, with which two servers could share a port.
+    set_socket_options([](socket_t socket) { system::take_ended_port(static_cast<std::intptr_t>(socket)); });
     set_default_headers({{"Content-Security-Policy", kSecurityPolicy},
                          {"X-Content-Type-Options", "nosniff"},
                          {"Referrer-Policy", "no-referrer"},
@@ -93,14 +84,14 @@ class HttpServer : public httplib::Server {
                          {"Cache-Control", "no-store"}});
   }
   ~HttpServer() override {
-    if (svr_sock_ != INVALID_SOCKET) ::close(svr_sock_);
+    if (svr_sock_ != INVALID_SOCKET) system::close_socket(static_cast<std::intptr_t>(svr_sock_));
   }
 
-  /// False: it cannot listen there; errno says why.
+  /// False: it cannot listen there; system::socket_error() says why.
   bool listen_on(int port) {
     if (!bind_to_port("127.0.0.1", port)) return false;
     // The library lets 5 connections wait to be accepted. When a browser opens more, they take a second.
-    return ::listen(svr_sock_, SOMAXCONN) == 0;
+    return system::listen(static_cast<std::intptr_t>(svr_sock_));
   }
 
   /// False: listening failed.
@@ -169,7 +160,7 @@ Result<PageServer> PageServer::open(Page& page, std::span<const PageFile> files,
     impl->port = k;
     if (impl->http.listen_on(k)) return PageServer(std::move(impl));
   }
-  const std::string reason = "cannot listen: " + std::generic_category().message(errno);
+  const std::string reason = "cannot listen: " + system::socket_error().message();
   if (port != 0)
     return fail(ErrorCode::FileAccess, fmt::format("port {}", port), reason,
                 "give another, or none: a free one is found");

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <unordered_map>
 
@@ -66,8 +66,9 @@ class ContactsCsv : public ReportWriter {
 }  // namespace
 
 Result<ObjectParts> read_parts(const std::string& path, const Topology& topology) {
-  std::ifstream file(path);
-  if (!file && errno == ENOENT) return io::does_not_exist(path);
+  std::error_code code;
+  if (!std::filesystem::exists(path, code) && !code) return io::does_not_exist(path);
+  std::ifstream file{std::filesystem::path(path)};
   if (!file) return fail(ErrorCode::FileAccess, path, "cannot be read", "check the permissions");
   ObjectParts parts;
   std::unordered_map<std::string, Index> known;

@@ -11,6 +11,7 @@
 #include "io/gltf_repair.h"
 #include "io/write_times.h"
 #include "report/repair_report.h"
+#include "system/file.h"
 
 namespace foldproof {
 namespace {
@@ -74,8 +75,8 @@ struct GltfFile {
   Index object;
   explicit GltfFile(std::string name, Index number)
       : path(std::move(name)),
-        unchecked(
-            (fs::path(path).parent_path() / ("unchecked-" + fs::path(path).filename().string())).string()),
+        unchecked((fs::path(path).parent_path() / ("unchecked-" + fs::path(path).filename().generic_string()))
+                      .generic_string()),
         object(number) {}
   GltfFile(GltfFile&&) = default;
   ~GltfFile() {
@@ -126,7 +127,7 @@ Result<void> write_with_times(const std::string& path, Motion& motion, std::span
   std::vector<double> seconds;
   seconds.reserve(times.size());
   for (const double time : times) seconds.push_back(time / fps);
-  return io::write_obj_mdd(path, fs::path(path).replace_extension(".mdd").string(), motion, seconds);
+  return io::write_obj_mdd(path, fs::path(path).replace_extension(".mdd").generic_string(), motion, seconds);
 }
 
 }  // namespace
@@ -169,9 +170,7 @@ Result<void> write_outputs(const RepairOutputs& outputs, Motions motions, const 
   }
   if (!files.empty()) FOLDPROOF_TRY(read_again(files, outputs, motions, request, done));
   for (GltfFile& file : files) {
-    std::error_code code;
-    fs::rename(file.unchecked, file.path, code);
-    if (code)
+    if (const std::error_code code = system::rename(file.unchecked, file.path))
       return fail(ErrorCode::FileAccess, file.path, "cannot be written: " + code.message(),
                   "name another file");
   }

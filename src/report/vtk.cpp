@@ -107,9 +107,10 @@ Result<void> require_ours(const fs::path& directory) {
   for (const auto& entry : fs::directory_iterator(directory, code))
     ours = ours && entry.path().extension() == ".vtp";
   if (ours && !code) return {};
-  return fail(ErrorCode::FileAccess, "--vtk",
-              fmt::format("'{}' is there already and holds other things than .vtp files", directory.string()),
-              "choose another name, or move that away");
+  return fail(
+      ErrorCode::FileAccess, "--vtk",
+      fmt::format("'{}' is there already and holds other things than .vtp files", directory.generic_string()),
+      "choose another name, or move that away");
 }
 
 /// A value for the whole step, as an array of one element.
@@ -239,7 +240,7 @@ class VtkReport : public ReportWriter {
     add_topology("Polys", bytes_of(topology.faces()), polygon_ends_);
     const std::string name = fmt::format("step{:06}.vtp", index.number);
     FOLDPROOF_TRY(write_vtp(
-        (directory_.path() / name).string(),
+        (directory_.path() / name).generic_string(),
         {topology.vertex_count(), topology.face_count(), lines_.size(), points_.size(), fields, arrays}));
     const double part = static_cast<double>(index.substep) / substeps_;
     collection_.add("<DataSet timestep=\"{}\" part=\"0\" file=\"{}/{}\"/>\n",
@@ -282,8 +283,8 @@ Result<std::unique_ptr<ReportWriter>> vtk_report(const std::string& path, Motion
   FOLDPROOF_TRY(require_ours(target));
   auto directory = FOLDPROOF_TRY(NewDirectory::open(target));
   return std::make_unique<VtkReport>(TextFile(std::move(collection)), std::move(directory),
-                                     xml_text(fs::path(path).stem().string()), motions, std::move(joined),
-                                     settings.substeps);
+                                     xml_text(fs::path(path).stem().generic_string()), motions,
+                                     std::move(joined), settings.substeps);
 }
 
 }  // namespace foldproof

@@ -1,24 +1,19 @@
 // The file of results, which must be valid whenever the program ends.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <system_error>
 
 #include "base/try.h"
 #include "sweep/shard.h"
+#include "system/file.h"
 
 namespace foldproof {
 namespace {
 
-tl::unexpected<Error> file_error(const std::string& path, const char* what, int code) {
-  return fail(ErrorCode::FileAccess, path, what + (": " + std::generic_category().message(code)),
+tl::unexpected<Error> file_error(const std::string& path, const char* what, const std::error_code& code) {
+  return fail(ErrorCode::FileAccess, path, what + (": " + code.message()),
               "check the directory, its permissions and the free space");
 }
 
@@ -131,15 +126,15 @@ class LineFilter {
   std::vector<std::string> written_directories_ = written(input_.directories);
 };
 
-Result<std::string> read_all(const std::string& path, int descriptor) {
+Result<std::string> read_all(const std::string& path, const system::File& file) {
   std::string text;
-  char block[1 << 16];
+  std::array<char, 1 << 16> block;
   for (;;) {
-    const ssize_t count = ::read(descriptor, block, sizeof block);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return file_error(path, "cannot be read", errno);
-    if (count == 0) return text;
-    text.append(block, static_cast<std::size_t>(count));
+    std::error_code code;
+    const std::size_t count = file.read_at(text.size(), block, code);
+    if (code) return file_error(path, "cannot be read", code);
+    text.append(block.data(), count);
+    if (count < block.size()) return text;
   }
 }
 
@@ -147,13 +142,9 @@ Result<std::string> read_all(const std::string& path, int descriptor) {
 
 struct SweepFile::State {
   std::string path;
-  int descriptor = -1;
+  system::File file;
   std::vector<std::size_t> remaining;
   std::vector<SweepRecord> records;
-
-  ~State() {
-    if (descriptor >= 0) ::close(descriptor);
-  }
 
   /// Opens the file, creates it if necessary, and locks it. Another sweep may replace it before the lock.
   Result<void> open_and_lock() {
@@ -167,22 +158,20 @@ struct SweepFile::State {
 
  private:
   bool has_its_name() const {
-    struct ::stat open = {}, named = {};
-    return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
-           open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+    const auto open = file.status(), named = system::status_of(path);
+    return open && named && open->id == named->id;
   }
 
   Result<void> try_to_lock() {
-    if (descriptor >= 0) ::close(descriptor);
-    descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
-    if (descriptor < 0) return file_error(path, "cannot be written", errno);
-    struct ::stat status = {};
-    if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    std::error_code code = file.close();
+    file = system::File::open(path, system::File::Mode::Append, code);
+    if (code) return file_error(path, "cannot be written", code);
+    const auto status = file.status();
+    if (!status || status->kind != system::FileKind::File) {
       return fail(ErrorCode::FileAccess, path, "is not a regular file",
                   "name a file, which may be a new one");
     }
-    // Other errors are ignored: some file systems have no locks.
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (!file.lock()) {
       return fail(ErrorCode::FileAccess, path, "is being written by another sweep",
                   "wait for that, or name another file");
     }
@@ -203,7 +192,7 @@ Result<SweepFile> SweepFile::open(const std::string& path, const SweepInput& inp
   auto state = std::make_unique<State>();
   state->path = path;
   FOLDPROOF_TRY(state->open_and_lock());
-  const auto all = FOLDPROOF_TRY(read_all(path, state->descriptor));
+  const auto all = FOLDPROOF_TRY(read_all(path, state->file));
   std::string_view text = all;
   LineFilter lines(input, settings_hash, again);
   const auto found = take_header(text);
@@ -216,6 +205,7 @@ Result<SweepFile> SweepFile::open(const std::string& path, const SweepInput& inp
   if (lines.changed) {
     auto file = FOLDPROOF_TRY(FileWriter::open(path));
     FOLDPROOF_TRY(file.write(lines.kept));
+    if (!system::can_replace_open_files()) state->file = {};
     FOLDPROOF_TRY(file.commit());
     FOLDPROOF_TRY(state->open_and_lock());
   }
@@ -228,18 +218,12 @@ Result<SweepFile> SweepFile::open(const std::string& path, const SweepInput& inp
 
 Result<void> SweepFile::add(const std::string& line) {
   auto record = FOLDPROOF_TRY(read_sweep_line(line));
-  const ::off_t start = ::lseek(state_->descriptor, 0, SEEK_END);
-  const std::string text = line + '\n';
-  for (std::size_t written = 0; written < text.size();) {
-    const ssize_t count = ::write(state_->descriptor, text.data() + written, text.size() - written);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      const int code = errno;
-      // If this fails too, the next sweep removes the incomplete line.
-      [[maybe_unused]] const int truncated = ::ftruncate(state_->descriptor, start);
-      return file_error(state_->path, "cannot be written", code);
-    }
-    written += static_cast<std::size_t>(count);
+  const auto before = state_->file.status();
+  if (const std::error_code code = state_->file.write(line + '\n')) {
+    // If this fails too, the next sweep removes the incomplete line.
+    [[maybe_unused]] const std::error_code ignored =
+        before ? state_->file.truncate(before->size) : std::error_code();
+    return file_error(state_->path, "cannot be written", code);
   }
   state_->records.push_back(std::move(record));
   return {};

@@ -1,6 +1,5 @@
 // Groups the files below a directory into motions.
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "io/formats.h"
 #include "io/numbered.h"
 #include "sweep/sweep.h"
+#include "system/file.h"
 
 namespace foldproof {
 namespace {
@@ -27,9 +27,9 @@ struct Entries {
 std::error_code list(const std::string& path, Entries& entries) {
   std::error_code status;
   for (fs::directory_iterator at(path, status), end; !status && at != end; at.increment(status)) {
-    const std::string file = at->path().string();
+    const std::string file = at->path().generic_string();
     std::error_code ignored;
-    if (at->path().filename().string().starts_with('.')) continue;
+    if (at->path().filename().generic_string().starts_with('.')) continue;
     if (at->is_directory(ignored)) {
       // A link could form a cycle.
       if (!at->is_symlink(ignored)) entries.folders.push_back(file);
@@ -52,13 +52,12 @@ std::error_code list(const std::string& path, Entries& entries) {
 /// Adds the size and modification time of files, by which a later sweep recognizes changes.
 void add_status(SweepMotion& motion, Hash& hash, std::span<const std::string> files) {
   for (const std::string& file : files) {
-    struct ::stat status = {};
-    if (::stat(file.c_str(), &status) != 0) continue;  // opening the file will report why
-    const std::int64_t modified =
-        std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
-    motion.bytes += static_cast<std::uint64_t>(status.st_size);
-    motion.modified = std::max(motion.modified, modified);
-    hash.add(fmt::format("{}\n{}\n{}\n", fs::path(file).filename().string(), status.st_size, modified));
+    const auto status = system::status_of(file);
+    if (!status) continue;  // opening the file will report why
+    motion.bytes += status->size;
+    motion.modified = std::max(motion.modified, status->modified);
+    hash.add(fmt::format("{}\n{}\n{}\n", fs::path(file).filename().generic_string(), status->size,
+                         status->modified));
   }
 }
 
@@ -66,12 +65,12 @@ void add_status(SweepMotion& motion, Hash& hash, std::span<const std::string> fi
 std::string canonical(const std::string& path) {
   std::error_code status;
   const fs::path found = fs::canonical(path, status);
-  return status ? path : found.string();
+  return status ? path : found.generic_string();
 }
 
 /// The path with its directory's links followed, but not one of the file itself.
 std::string place(const fs::path& path) {
-  return (canonical(path.parent_path().string()) / path.filename()).string();
+  return (canonical(path.parent_path().generic_string()) / path.filename()).generic_string();
 }
 
 class Finder {
@@ -141,7 +140,7 @@ class Finder {
     };
     std::map<std::string, Pair> pairs;  // by what precedes the word
     for (const std::string& array : arrays) {
-      std::string word = fs::path(array).stem().string();
+      std::string word = fs::path(array).stem().generic_string();
       const std::size_t begin = word.find_last_of("_-. ") + 1;
       Pair& pair = pairs[word.substr(0, begin)];
       word.erase(0, begin);
@@ -198,6 +197,7 @@ class Finder {
 Result<SweepInput> find_motions(std::span<const std::string> directories, bool poses, bool separate) {
   Finder finder(poses, separate);
   for (std::string directory : directories) {
+    directory = fs::path(directory).generic_string();
     while (directory.size() > 1 && directory.back() == '/') directory.pop_back();
     std::error_code status;
     if (!fs::exists(directory, status))

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <new>
 
-#include "base/c_locale.h"
 #include "base/try.h"
 #include "io/formats.h"
 #include "io/numbered.h"
@@ -16,6 +15,7 @@
 #include "report/repair_files.h"
 #include "report/repair_report.h"
 #include "sweep/sweep.h"
+#include "system/c_locale.h"
 
 namespace foldproof {
 namespace {
@@ -73,7 +73,7 @@ std::filesystem::path repaired_path(const std::string& directory, const SweepMot
     if (part != ".." && part != ".") path /= part;
   }
   const std::string ending = is_gltf ? ".glb" : ".npz";
-  if (extension_of(path.string()) != ending) path += ending;
+  if (extension_of(path.generic_string()) != ending) path += ending;
   return path;
 }
 
@@ -85,7 +85,7 @@ Result<void> repair_into(Json& line, const SweepMotion& found, Motions motions, 
   if (hooks.cancel != nullptr) request.repair.interrupted = [&] { return hooks.cancel->load(); };
   const bool is_gltf = extension_of(found.files[0]).starts_with(".gl");
   const auto path = repaired_path(settings.repaired, found, is_gltf);
-  const RepairOutputs outputs{{path.string()}, settings.read, 0};
+  const RepairOutputs outputs{{path.generic_string()}, settings.read, 0};
   FOLDPROOF_TRY(require_outputs_fit(outputs, motions, std::array{Index{0}}, motions[0]->frame_count()));
   const auto done = FOLDPROOF_TRY(repair_motions(motions, request));
   const RepairReport& report = done.report;
@@ -96,7 +96,7 @@ Result<void> repair_into(Json& line, const SweepMotion& found, Motions motions, 
     FOLDPROOF_TRY(write_outputs(outputs, motions, request, done));
   }
   const auto worst = std::ranges::max_element(report.frames, {}, &RepairedFrame::correction);
-  line["repair"] = {{"file", writes ? Json(path.string()) : Json(nullptr)},
+  line["repair"] = {{"file", writes ? Json(path.generic_string()) : Json(nullptr)},
                     {"free", report.free},
                     {"verdict", repair_verdict(motions, request, report).sentence.text()},
                     {"correction", worst->correction}};

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <locale.h>
 
-#include "base/c_locale.h"
+#include "system/c_locale.h"
 
 extern "C" lconv* localeconv() noexcept {
   static char two_bytes[] = "\xd9\xab", one_byte[] = ".", none[] = "";

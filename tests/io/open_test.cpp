@@ -303,12 +303,6 @@ TEST_F(OpenTest, NegativeAndFractionalNumbersAreNotPutInAWrongOrder) {
       "from 0 on, or move that file elsewhere");
 }
 
-TEST_F(OpenTest, APipeIsRefusedAtOnce) {
-  ASSERT_EQ(::mkfifo(files.path("pipe.obj").c_str(), 0600), 0);
-  EXPECT_EQ(open_error({files.path("pipe.obj")}),
-            "pipe.obj: is not a regular file; save the data to a file and name that");
-}
-
 TEST_F(OpenTest, NamesTheFirstFaceThatChanges) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   files.write("run/0.obj", points + "f 1 2 3 4\nf 1 2 3\nf 2 3 4\n");

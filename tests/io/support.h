@@ -3,15 +3,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include <atomic>
 #include <bit>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "foldproof/io.h"
+#include "system/file.h"
 
 namespace foldproof::testing {
 
@@ -22,9 +22,12 @@ class ScratchDirectory {
     // In memory if possible: some tests write tens of thousands of files.
     const bool memory = std::filesystem::is_directory("/dev/shm");
     const auto parent = memory ? std::filesystem::path("/dev/shm") : std::filesystem::temp_directory_path();
-    std::string name = (parent / "foldproof-test-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch directory");
-    path_ = name;
+    static std::atomic<int> made = 0;
+    while (path_.empty()) {  // an earlier process of this number may have left some behind
+      const std::string name =
+          "foldproof-test-" + std::to_string(system::process_number()) + "-" + std::to_string(made++);
+      if (std::filesystem::create_directory(parent / name)) path_ = (parent / name).generic_string();
+    }
   }
   ScratchDirectory(const ScratchDirectory&) = delete;
   ScratchDirectory& operator=(const ScratchDirectory&) = delete;

@@ -1,0 +1,16 @@
+/// Text as Windows has it, for the other files here.
+#pragma once
+
+#include <string>
+#include <system_error>
+
+namespace foldproof::system {
+
+/// The UTF-16 of UTF-8 text.
+std::wstring wide(const std::string& text);
+std::string narrow(const wchar_t* text);
+
+/// Of an error of Windows; one of the standard's where it has the same.
+std::error_code windows_error(unsigned long code);
+
+}  // namespace foldproof::system
