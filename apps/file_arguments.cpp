@@ -110,13 +110,14 @@ struct Taken {
 };
 
 Taken taken_by(const std::string& where, const fs::path& path, Output output) {
-  Taken taken{where, {io::canonical(path)}, {}, {}};
+  Taken taken{where, {io::canonical(path.generic_string())}, {}, {}};
   if (output == Output::Motion && extension_of(path.generic_string()) == ".obj") {
     for (const char* cache : {".pc2", ".mdd"})
-      taken.names.push_back(io::canonical(fs::path(path).replace_extension(cache)));
+      taken.names.push_back(io::canonical(fs::path(path).replace_extension(cache).generic_string()));
   }
   if (output == Output::Collection)
-    taken.names.push_back(taken.directory = io::canonical(fs::path(path).replace_extension()));
+    taken.names.push_back(taken.directory =
+                              io::canonical(fs::path(path).replace_extension().generic_string()));
   if (output == Output::Numbered || output == Output::Motion)
     taken.pattern = io::number_pattern(taken.names[0]);
   return taken;

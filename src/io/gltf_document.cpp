@@ -432,7 +432,7 @@ Result<GltfDocument::Buffer> GltfDocument::load_uri(const std::string& uri, cons
   const fs::path target = status ? fs::path() : fs::weakly_canonical(directory / name, status);
   const fs::path relative = target.lexically_relative(directory);
   if (name.empty() || name.find('\0') != name.npos || name.find("://") != name.npos ||
-      fs::path(name).is_absolute() || status || relative.empty() || relative == "." ||
+      fs::path(name).has_root_path() || status || relative.empty() || relative == "." ||
       *relative.begin() == "..") {
     return fail(ErrorCode::InvalidFile, where,
                 fmt::format("'{}' is not a file beside this one", uri.substr(0, 200)),

@@ -128,7 +128,7 @@ Result<std::vector<std::string>> pvd_files(const std::string& path) {
   for (const xml_node set : file.content().children("DataSet")) {
     const fs::path name = set.attribute("file").value();
     const auto leaves = [](const fs::path& part) { return part == ".."; };
-    if (name.empty() || name.is_absolute() || std::ranges::any_of(name, leaves)) {
+    if (name.empty() || name.has_root_path() || std::ranges::any_of(name, leaves)) {
       return fail(ErrorCode::InvalidFile, path,
                   fmt::format("refers to '{}', which is not below its directory", name.generic_string()),
                   "keep the files of a collection beside it");

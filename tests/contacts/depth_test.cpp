@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "contacts/scenes.h"
 #include "foldproof/eigen.h"
@@ -43,7 +44,7 @@ TEST(Depth, SphereInSphere) {
     EXPECT_TRUE(contact.frames[0].area[0] && contact.frames[0].area[1]);
     // A cap of height h of a sphere of radius r has the area 2 pi r h.
     const double d = 1.9 - sunk, h = 1 - (d * d + 1 - 0.81) / (2 * d);
-    EXPECT_NEAR(*contact.frames[0].area[0], 2 * M_PI * h, 0.02 * 2 * M_PI * h);
+    EXPECT_NEAR(*contact.frames[0].area[0], 2 * std::numbers::pi * h, 0.02 * 2 * std::numbers::pi * h);
   }
 }
 
@@ -74,7 +75,7 @@ TEST(Depth, SmallPrismThroughALargeFloor) {
   const double spacing = 3e-5;
   const Index around = 6, along = 7;
   for (Index k = 0; k < around; ++k) {
-    const double angle = 2 * M_PI * k / around;
+    const double angle = 2 * std::numbers::pi * k / around;
     for (Index r = 0; r < along; ++r)
       prism.positions.insert(
           prism.positions.end(),

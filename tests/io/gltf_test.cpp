@@ -508,10 +508,13 @@ TEST_F(GltfTest, ReadsBuffersBesideTheFileOnly) {
   b.json["nodes"] = {{{"mesh", 0}}};
   const std::string secret = files.write("secret.bin", b.buffer);
   std::filesystem::create_directory(files.path("inner"));
-  std::filesystem::create_symlink(secret, files.path("inner/link.bin"));
-  for (const std::string& uri : {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), secret,
-                                 "file://" + secret, std::string("link.bin"), std::string("."), std::string(),
-                                 std::string("a%00b"), std::string("x/../../secret.bin")}) {
+  std::vector<std::string> elsewhere{
+      "../secret.bin", "%2e%2e/secret.bin", secret, "file://" + secret, ".", "",
+      "a%00b",         "x/../../secret.bin"};
+  std::error_code no_links;
+  std::filesystem::create_symlink(secret, files.path("inner/link.bin"), no_links);
+  if (!no_links) elsewhere.emplace_back("link.bin");
+  for (const std::string& uri : elsewhere) {
     EXPECT_THAT(
         open_error({files.write("inner/a.gltf", b.gltf_beside(uri))}),
         ::testing::AllOf(
@@ -566,9 +569,11 @@ TEST_F(GltfTest, NamesFrameAndVertexThatIsNotFinite) {
   const auto motion = gltf(b, {.fps = 1});
   ASSERT_TRUE(motion);
   EXPECT_EQ(frame_error(*motion, 0), "no error");
-  EXPECT_THAT(frame_error(*motion, 2),
-              ::testing::MatchesRegex("a.gltf, frame 2, vertex [012]: a coordinate is not finite; "
-                                      "export the mesh without NaN or infinite coordinates"));
+  EXPECT_THAT(
+      frame_error(*motion, 2),
+      ::testing::AllOf(::testing::StartsWith("a.gltf, frame 2, vertex "),
+                       ::testing::EndsWith(": a coordinate is not finite; export the mesh without NaN or "
+                                           "infinite coordinates")));
 }
 
 }  // namespace

@@ -184,7 +184,9 @@ TEST_F(OpenTest, AGlobLeavesNothingOut) {
 TEST_F(OpenTest, ADirectoryThatCannotBeReadIsAnError) {
   files.write("runs/a/f1.obj", obj_at(1));
   files.write("runs/readme.txt", "not a directory");
-  std::filesystem::create_symlink("nowhere", files.path("runs/gone"));
+  std::error_code no_links;
+  std::filesystem::create_symlink("nowhere", files.path("runs/gone"), no_links);
+  if (no_links) GTEST_SKIP() << "no symbolic links";
   EXPECT_EQ(open({files.path("runs/*/f?.obj")})->frame_count(), 1u);
   std::filesystem::create_symlink("b", files.path("runs/b"));  // a loop, which root cannot read either
   const std::string listed = ": cannot be listed: Too many levels of symbolic links; check the permissions";

@@ -62,7 +62,7 @@ TEST_F(ProgressTest, OfGltfCoversItsBuffers) {
   const std::string glb = files.write("a.glb", scene.glb());
   EXPECT_EQ(calls({glb}), (std::map<std::string, int>{{glb, 3}}));
   const std::string gltf = files.write("a.gltf", scene.gltf_beside("b.bin"));
-  const std::string buffer = std::filesystem::canonical(files.write("b.bin", scene.buffer));
+  const std::string buffer = std::filesystem::canonical(files.write("b.bin", scene.buffer)).generic_string();
   EXPECT_EQ(calls({gltf}), (std::map<std::string, int>{{gltf, 1}, {buffer, 3}}));
 }
 

@@ -157,6 +157,16 @@ TEST(Names, MatchAsFilesDo) {
   EXPECT_FALSE(matches("/a/b.obj", "/a/bbobj"));
 }
 
+TEST(Names, AreUtf8) {
+  for (const auto* text : {u8"Größe/中.obj", u8"a\U0001f9e6b", u8"\uffff"}) {
+    const std::u8string wanted(text);
+    const std::string narrow(wanted.begin(), wanted.end());
+    EXPECT_EQ(fs::path(narrow), fs::path(wanted));
+    EXPECT_EQ(fs::path(narrow).generic_string(), narrow);
+  }
+  for (const char* invalid : {"a\xff", "\xe4\xb8", "\xed\xa0\x80"}) EXPECT_FALSE(fs::path(invalid).empty());
+}
+
 TEST(Names, SeparatorsAreThoseOfPaths) {
   EXPECT_NE(separators().find('/'), std::string_view::npos);
   EXPECT_NE(separators().find(static_cast<char>(fs::path::preferred_separator)), std::string_view::npos);

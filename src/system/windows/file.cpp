@@ -81,6 +81,7 @@ bool is_device(std::string name) {
 }  // namespace
 
 std::optional<FileStatus> status_of(const fs::path& path) {
+  take_utf8_in_paths();
   const HANDLE handle = open_existing(path, FILE_READ_ATTRIBUTES);
   if (handle == INVALID_HANDLE_VALUE) return std::nullopt;
   const auto status = status_of_handle(handle);

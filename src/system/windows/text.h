@@ -10,6 +10,9 @@ namespace foldproof::system {
 std::wstring wide(const std::string& text);
 std::string narrow(const wchar_t* text);
 
+/// Does nothing; whoever calls it is linked with what makes paths of UTF-8 text (path_text.cpp).
+void take_utf8_in_paths();
+
 /// Of an error of Windows; one of the standard's where it has the same.
 std::error_code windows_error(unsigned long code);
 

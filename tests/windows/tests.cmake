@@ -1,0 +1,30 @@
+# What runs in Wine. Left out: tests that need CGAL (its exact numbers need GMP), that watch memory or processes by what Windows
+# has otherwise, those of what is not offered there, and check, filters, solver and contacts: the thread that every loop of their
+# thousands of small steps starts takes Wine too long. program_in_wine asks what they ask, of whole motions. And modes_test, of which Modes.ChangeNoQuery FAILS there, upward only:
+# MinGW's mathematical functions round as the x87 unit does, whose mode PlainArithmetic does not set. foldproof.exe sets no mode.
+set(FOLDPROOF_NOT_ON_WINDOWS "/(static_agreement|static_predicates|hostile_test|linear_test|locale_test|modes_test|new_directory_test|pipe_test|real_data_test|writer_test)\\.cpp$")
+find_package(nlohmann_json REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(FOLDPROOF_HWY REQUIRED IMPORTED_TARGET libhwy)
+pkg_check_modules(FOLDPROOF_LIBZIP REQUIRED IMPORTED_TARGET libzip)
+link_libraries(PkgConfig::FOLDPROOF_HWY)
+foldproof_module_tests(base foldproof nlohmann_json::nlohmann_json)  # first, as the others use its precompiled header
+foldproof_module_tests(platforms foldproof foldproof_oracle)  # answers whose hashes are stored, the same on every system
+foldproof_module_tests(arithmetic foldproof_model foldproof_oracle)
+foldproof_module_tests(mesh foldproof)
+foldproof_module_tests(ccd foldproof foldproof_oracle)
+foldproof_module_tests(bvh foldproof foldproof_oracle)
+foldproof_module_tests(certificate foldproof foldproof_oracle)
+foldproof_module_tests(io foldproof_io PkgConfig::FOLDPROOF_LIBZIP ZLIB::ZLIB)
+foldproof_module_tests(system foldproof_io)
+add_custom_target(windows_tests DEPENDS test_base test_platforms test_arithmetic test_mesh test_ccd test_bvh test_certificate
+  test_io test_system)
+
+# The program's answers, to what the one in build/ answers here.
+set(FOLDPROOF_BUILT ${PROJECT_SOURCE_DIR}/build/foldproof CACHE FILEPATH "The program, built for this machine")
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+add_test(NAME program_in_wine COMMAND Python3::Interpreter ${CMAKE_CURRENT_LIST_DIR}/program_test.py ${FOLDPROOF_BUILT}
+  ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:foldproof_program>)
+set_tests_properties(program_in_wine PROPERTIES TIMEOUT 1800)
+foldproof_label(windows quick foldproof_program)
