@@ -28,6 +28,6 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(ENV{PKG_CONFIG_LIBDIR} ${WINDOWS_ROOT}/lib/pkgconfig)
-# With a home of its own, and names in UTF-8 on this side, too.
-set(CMAKE_CROSSCOMPILING_EMULATOR env WINEDEBUG=-all WINEPREFIX=${CMAKE_CURRENT_LIST_DIR}/../build-windows/wine LC_ALL=C.UTF-8
+# With a home of its own, names in UTF-8 on this side, too, and one processor: Wine takes long to start the threads of small loops.
+set(CMAKE_CROSSCOMPILING_EMULATOR taskset -c 0 env WINEDEBUG=-all WINEPREFIX=${CMAKE_CURRENT_LIST_DIR}/../build-windows/wine LC_ALL=C.UTF-8
   /usr/lib/wine/wine64)

@@ -74,10 +74,10 @@ class CrossingTest {
     }
   }
 
+  TrianglePairs lanes_{};
   const Pose& pose_;
   const Filter& filter_;
   std::vector<TriangleCrossing>& out_;
-  TrianglePairs lanes_{};
   std::array<Waiting, 8> waiting_;
   unsigned count_ = 0;
 };
