@@ -259,11 +259,11 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         try:
             executable_of(context)
         except Problem as problem:
-            wrapped(layout, str(problem), "ERROR", context.region.width)
+            wrapped(layout, str(problem), "ERROR", context)
         if _running is not None:
-            wrapped(layout, f"{_running}; Esc cancels", "TIME", context.region.width)
+            wrapped(layout, f"{_running}; Esc cancels", "TIME", context)
         elif settings.message:
-            wrapped(layout, settings.message, "INFO", context.region.width)
+            wrapped(layout, settings.message, "INFO", context)
         if settings.contacts:
             layout.template_list("FOLDPROOF_UL_contacts", "", settings, "contacts", settings, "contact", rows=4)
         row = layout.row(align=True)
@@ -272,7 +272,8 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         layout.operator("foldproof.select", icon="RESTRICT_SELECT_OFF")
         layout.operator("foldproof.clear", icon="TRASH")
         layout.separator()
-        column = layout.column(heading="May Not Move")
+        column = layout.column()
+        column.label(text="May Not Move")
         for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
             column.prop(each, "foldproof_collider", text=each.name)
         layout.operator("foldproof.repair", icon="MODIFIER")
@@ -282,9 +283,10 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         layout.operator("foldproof.train", icon="ARMATURE_DATA")
 
 
-def wrapped(layout, text, icon, width):
+def wrapped(layout, text, icon, context):
     """A label with line breaks; Blender truncates long labels."""
-    letters = max(20, width // 8)
+    width = context.region.width / context.preferences.system.ui_scale
+    letters = max(16, int((width - 70) / 6.5))  # beside the icon, the margins and the tabs
     lines = [""]
     for word in text.split():
         if len(lines[-1]) + len(word) > letters:
