@@ -5,7 +5,7 @@
 namespace foldproof::io {
 namespace {
 
-tl::unexpected<Error> write_error(const std::string& where, const std::error_code& code) {
+tl::unexpected<Error> spool_error(const std::string& where, const std::error_code& code) {
   return fail(ErrorCode::FileAccess, where,
               "needs a temporary file that cannot be written: " + code.message(),
               "free space in the temporary directory, or name another one in TMPDIR");
@@ -16,12 +16,12 @@ tl::unexpected<Error> write_error(const std::string& where, const std::error_cod
 Result<Spool> Spool::open(std::string where) {
   std::error_code code;
   system::File file = system::File::temporary(code);
-  if (code) return write_error(where, code);
+  if (code) return spool_error(where, code);
   return Spool(std::move(where), std::move(file));
 }
 
 Result<void> Spool::append(std::span<const char> bytes) {
-  if (const std::error_code code = file_.write(bytes)) return write_error(where_, code);
+  if (const std::error_code code = file_.write(bytes)) return spool_error(where_, code);
   return {};
 }
 
