@@ -285,7 +285,7 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
 
 def wrapped(layout, text, icon, context):
     """A label with line breaks; Blender truncates long labels."""
-    width = context.region.width / context.preferences.system.ui_scale
+    width = context.region.width / (context.preferences.system.ui_scale or 1)  # 0 without a window
     letters = max(16, int((width - 70) / 6.5))  # beside the icon, the margins and the tabs
     lines = [""]
     for word in text.split():
