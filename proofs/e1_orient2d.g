@@ -8,7 +8,7 @@
 # Along each axis in units of its size, so that sx = sy = 1. A product is off by underflow h besides: by at most
 # 2^-1075 / (sx sy).
 
-# constant src/ccd/exact.cpp: smallest_size > {} &&
+# constant src/ccd/bounds.h: kSmallestFiltered = {},
 kSmallest = 1e-97;
 # constant src/ccd/exact.cpp: error = {} * sx * sy;
 kFilter = 16b-53;

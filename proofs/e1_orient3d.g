@@ -3,14 +3,20 @@
 #   const Vec3 ad = a - d, bd = b - d, cd = c - d;
 #   const Vec3 size = ad.cwiseAbs().cwiseMax(bd.cwiseAbs()).cwiseMax(cd.cwiseAbs());
 #   const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) - ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) + ad.z() * (bd.x() * cd.y() - bd.y() * cd.x());
-#   const double error = 64 * 0x1p-53 * (size.x() * size.y() * size.z());
+#   const double error = kVolumeError * (size.x() * size.y() * size.z());
+# code src/check/separated_triangles.cpp
+#   const Vector b = Minus(s[1].x, s[0].x), c = Minus(s[2].x, s[0].x), normal = Cross(b, c);
+#   const Vector sides = Max(Abs(b), Abs(c));
+#   const Vector a = Minus(corner.x, s[0].x), size = Max(Abs(a), sides);
+#   const V det = Dot(a, normal), error = hn::Mul(rounding, hn::Mul(hn::Mul(size.x, size.y), size.z));
 #
+# Cross and Dot (src/ccd/lanes.h) do the same in the same order, but for the sign of y and of its product, which are exact.
 # Along each axis in units of its size. A product is off by underflow h besides: inside the parentheses by at most
 # 2^-1075 / 1e-97^2, outside by 2^-1075 / 1e-97^3.
 
-# constant src/ccd/exact.cpp: smallest_size > {} &&
+# constant src/ccd/bounds.h: kSmallestFiltered = {},
 kSmallest = 1e-97;
-# constant src/ccd/exact.cpp: error = {} * (size.x()
+# constant src/ccd/bounds.h: kVolumeError = {};
 kFilter = 64b-53;
 
 ax = sub_rel<53>(XA, XD); ay = sub_rel<53>(YA, YD); az = sub_rel<53>(ZA, ZD);

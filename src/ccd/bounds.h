@@ -16,6 +16,13 @@ inline constexpr double kDetUnderflow = 1e-260;
 /// its rounding error.
 inline constexpr double kMinSquare = 0x1p-900;
 
+/// E1: error of a determinant of three differences of doubles, relative to the product of the largest
+/// difference along each axis.
+inline constexpr double kVolumeError = 64 * 0x1p-53;
+/// E1: outside of this range a product of three differences may overflow or lose its last digits
+/// (tests/ccd/filter_limits_test.cpp).
+inline constexpr double kSmallestFiltered = 1e-97, kLargestFiltered = 1e97;
+
 /// Pairs whose extent is outside [kSmall, kLarge) are scaled by a power of two first.
 inline constexpr double kLarge = 1e30, kSmall = 1e-30;
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/plain_arithmetic.h"
+#include "ccd/bounds.h"
 #include "foldproof/ccd.h"
 
 // GCC 12 believes that Boost's integers are read before they are written.
@@ -55,10 +56,8 @@ int orient2d_exact(const Vec2& a, const Vec2& b, const Vec2& c) {
   return Big((v[0] - v[4]) * (v[3] - v[5]) - (v[1] - v[5]) * (v[2] - v[4])).sign();
 }
 
-// Outside this range a product of three differences may overflow or lose its last digits
-// (tests/ccd/filter_limits_test.cpp).
 bool filter_applies(double smallest_size, double largest_size) {
-  return smallest_size > 1e-97 && largest_size < 1e97;
+  return smallest_size > kSmallestFiltered && largest_size < kLargestFiltered;
 }
 
 // Positive when a, b, c turn counterclockwise.
@@ -85,7 +84,7 @@ int sign_of_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     const double det = ad.x() * (bd.y() * cd.z() - bd.z() * cd.y()) -
                        ad.y() * (bd.x() * cd.z() - bd.z() * cd.x()) +
                        ad.z() * (bd.x() * cd.y() - bd.y() * cd.x());
-    const double error = 64 * 0x1p-53 * (size.x() * size.y() * size.z());  // docs/soundness.md, E1
+    const double error = kVolumeError * (size.x() * size.y() * size.z());  // docs/soundness.md, E1
     if (det > error) return 1;
     if (det < -error) return -1;
   }

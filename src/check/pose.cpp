@@ -5,9 +5,9 @@
 
 #include "base/parallel.h"
 #include "check/answer.h"
+#include "check/separated_triangles.h"
 #include "check/smallest_k.h"
 #include "check/step.h"
-#include "check/triangles_apart.h"
 #include "check/triangles_cross.h"
 
 namespace foldproof::internal {
@@ -36,23 +36,22 @@ void test_pair(const Pose& pose, const TraversalTask& task, CandidatePair pair, 
   out.push_back({object_a, a, object_b, b});
 }
 
-// Pairs of triangles on their way to exact arithmetic: of eight, most are proven apart at once.
+// Tests pairs of triangles eight at a time: most are separated, and only the others need exact arithmetic.
 class CrossingTest {
  public:
   CrossingTest(const Pose& pose, const Filter& filter, std::vector<TriangleCrossing>& out)
       : pose_(pose), filter_(filter), out_(out) {}
 
   void add(const TraversalTask& task, CandidatePair pair) {
-    const bool same_object = task.object_a == task.object_b;
     set(0, task.object_a, pair.a, false);
-    set(1, task.object_b, pair.b, !same_object);
+    set(1, task.object_b, pair.b, task.object_a != task.object_b);
     waiting_[count_] = {&task, pair};
     if (++count_ == waiting_.size()) finish();
   }
   void finish() {
-    const unsigned apart = triangles_apart(lanes_);
+    const unsigned separated = separated_triangles(lanes_);
     for (unsigned k = 0; k < count_; ++k) {
-      if ((apart >> k & 1) == 0) test_pair(pose_, *waiting_[k].task, waiting_[k].pair, filter_, out_);
+      if ((separated >> k & 1) == 0) test_pair(pose_, *waiting_[k].task, waiting_[k].pair, filter_, out_);
     }
     count_ = 0;
   }

@@ -1,4 +1,5 @@
-/// Which pairs of triangles certainly do not cross, eight at a time (docs/soundness.md, E4).
+/// Pairs of triangles that a plane or an axis separates, so that they do not cross: eight at a time
+/// (docs/soundness.md, E4).
 #pragma once
 
 #include "foldproof/mesh.h"
@@ -21,7 +22,7 @@ struct TrianglePairs {
   Corner corners[2][3];
 };
 
-/// Bit k is set where planes or axes prove that the triangles of lane k do not cross (triangles_cross).
-unsigned triangles_apart(const TrianglePairs& pairs);
+/// Bit k is set where the triangles of lane k are proven not to cross (triangles_cross).
+unsigned separated_triangles(const TrianglePairs& pairs);
 
 }  // namespace foldproof::inline internal
