@@ -113,7 +113,7 @@ struct Page::Impl {
   std::optional<PageAnswer> missing_step(std::uint64_t number) const;
   PageAnswer not_yet(const std::string& what) const;
   tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> contacts_found() const;
-  tl::expected<std::shared_ptr<const Contact>, PageAnswer> contact_found(std::uint64_t k) const;
+  tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> contacts_found_with(std::uint64_t k) const;
   Result<View> view_of_contact(const Contact& contact, Up up) const;
   bool advance(const std::atomic<bool>& stop);
   void end_check(State end, std::string line);
@@ -343,20 +343,23 @@ PageAnswer Page::Impl::contacts(Numbers, const PageQuery& query) const {
   return json_answer((*all)->json(part->offset, part->limit));
 }
 
-tl::expected<std::shared_ptr<const Contact>, PageAnswer> Page::Impl::contact_found(std::uint64_t k) const {
-  const auto all = contacts_found();
-  if (!all) return tl::unexpected(all.error());
-  const auto& contacts = (*all)->contacts;
-  if (k < contacts.size()) return std::shared_ptr<const Contact>(*all, &contacts[k]);
-  return tl::unexpected(refuse(404, fmt::format("there is no contact {} among {}", k, contacts.size())));
+tl::expected<std::shared_ptr<const FoundContacts>, PageAnswer> Page::Impl::contacts_found_with(
+    std::uint64_t k) const {
+  auto all = contacts_found();
+  if (!all) return all;
+  const std::size_t count = (*all)->contacts.size();
+  if (k >= count)
+    return tl::unexpected(refuse(404, fmt::format("there is no contact {} among {}", k, count)));
+  return all;
 }
 
 PageAnswer Page::Impl::contact(Numbers n, const PageQuery& query) const {
-  const auto contact = contact_found(n[0]);
-  if (!contact) return contact.error();
-  Json json = (*contacts_found())->json(n[0]);
+  const auto all = contacts_found_with(n[0]);
+  if (!all) return all.error();
+  Json json = (*all)->json(n[0]);
   const auto up = query.find("up");
-  const auto view = view_of_contact(**contact, up != query.end() && up->second == "z" ? Up::Z : Up::Y);
+  const auto view =
+      view_of_contact((*all)->contacts[n[0]], up != query.end() && up->second == "z" ? Up::Z : Up::Y);
   if (!view) return refuse(view.error());
   json["view"] = {view->from.x(), view->from.y(), view->from.z()};
   return json_answer(json);
@@ -385,9 +388,9 @@ PageAnswer Page::Impl::repair_start(Numbers, const PageQuery& query) const {
     choice.fixed_parts.push_back(names[number]);
   }
   if (!contacts->empty()) {
-    const auto found = contact_found(contacts->front());
-    if (!found) return found.error();
-    choice.contact = **found;
+    const auto all = contacts_found_with(contacts->front());
+    if (!all) return all.error();
+    choice.contact = (*all)->contacts[contacts->front()];
   }
   repair->start(std::move(choice));
   return json_answer(repair->status());

@@ -23,6 +23,19 @@ std::vector<Contact> drawn_of(const RepairReport& report) {
   return drawn;
 }
 
+// Whether something of a contact is left: one of the same sides, at the same time and place.
+bool remains(const Contact& contact, const RepairReport& report) {
+  const auto sides = [](const Contact& c) {
+    const auto name = [](const Contact::Side& side) { return std::pair(side.object, side.part); };
+    return std::minmax({name(c.sides[0]), name(c.sides[1])});
+  };
+  return std::ranges::any_of(report.remaining, [&](const Contact& other) {
+    return sides(other) == sides(contact) && contact.first_time <= other.last_time &&
+           other.first_time <= contact.last_time && (contact.low - other.high).maxCoeff() <= 0 &&
+           (other.low - contact.high).maxCoeff() <= 0;
+  });
+}
+
 Result<void> add_pictures(TextFile& fields, Motions motions, const RepairRequest& request,
                           const RepairedMotions& done) {
   std::vector<std::unique_ptr<Motion>> after;
@@ -38,6 +51,7 @@ Result<void> add_pictures(TextFile& fields, Motions motions, const RepairRequest
         !times.empty() && times.front() <= contact.first_time && contact.last_time <= times.back();
     const Json json = {
         {"contact", contact.number},
+        {"remains", remains(contact, done.report)},
         {"before", data_url(FOLDPROOF_TRY(pictures.draw(contact, kSideBySide)))},
         {"after", has_after
                       ? Json(data_url(FOLDPROOF_TRY(pictures.draw_in(after, times, contact, kSideBySide))))

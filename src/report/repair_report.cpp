@@ -37,7 +37,7 @@ Sentence sentence_of(const RepairRequest& request, const RepairReport& report) {
                            : "Nothing could be repaired, and nothing was written")
         << ": something touches in ";
     append(out, frames_named(report.frames, [&](const RepairedFrame& f) { return !is_free(f); }));
-    if (no_way(request, report)) out << ", as what may not move leaves no way";
+    if (no_way(request, report)) out << "; what may not move may be in the way";
   }
   return out;
 }

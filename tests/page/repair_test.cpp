@@ -1,4 +1,5 @@
 // Repairs on request.
+#include "page/repaired_report.h"
 #include "page/served.h"
 
 namespace foldproof::testing {
@@ -164,6 +165,50 @@ TEST(PageRepair, OneThatIsCancelledDoesNotGoOnWhenAnotherWaits) {
   EXPECT_TRUE(page->advance(stop));
   EXPECT_LT(2 * told[0], told[1]);
   EXPECT_EQ(Json::parse(page->get("/api/repair").body)["state"], "done");
+}
+
+/// The data of the report of a repair.
+Json report_of(Motions motions, const RepairRequest& request, const RepairedMotions& done) {
+  const TemporaryDirectory directory;
+  const auto written =
+      write_repaired_report(directory / "repair.html", motions, request, done, "", kStubPage);
+  EXPECT_TRUE(written) << written.error().line();
+  const std::string html = read_file(directory / "repair.html"), begin = "id=\"data\">";
+  const std::size_t from = html.find(begin) + begin.size();
+  return Json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+// Of many contacts the worst are listed: what a picture says must not depend on that.
+TEST(RepairedReport, KnowsWhatRemainsBeyondItsList) {
+  const auto motions = balls();
+  const RepairRequest request;
+  auto done = repair_motions(motions, request);
+  ASSERT_TRUE(done && done->report.free && done->report.before.size() == 1);
+  EXPECT_EQ(report_of(motions, request, *done)["pictures"][0]["remains"], false);
+  const Contact contact = done->report.before[0];
+  Contact worse = contact;
+  worse.low[0] += 100;
+  worse.high[0] += 100;
+  for (ContactFrame& frame : worse.frames) frame.depth = 10;
+  done->report.remaining.assign(200, worse);
+  EXPECT_EQ(report_of(motions, request, *done)["pictures"][0]["remains"], false) << "it is elsewhere";
+  done->report.remaining.push_back(contact);
+  const Json data = report_of(motions, request, *done);
+  EXPECT_EQ(data["repair"]["remaining"].size(), 200);
+  EXPECT_EQ(data["repair"]["counts"]["remaining"], 201);
+  EXPECT_EQ(data["pictures"][0]["remains"], true);
+}
+
+TEST(RepairedReport, HasNoPictureOfFramesThatWereNotWritten) {
+  const auto motions = balls();
+  const RepairRequest request;
+  auto done = repair_motions(motions, request);
+  ASSERT_TRUE(done && done->report.free);
+  EXPECT_TRUE(report_of(motions, request, *done)["pictures"][0]["after"].is_string());
+  done->report.frames.resize(1);  // as if interrupted
+  const Json picture = report_of(motions, request, *done)["pictures"][0];
+  EXPECT_TRUE(picture["after"].is_null());
+  EXPECT_EQ(picture["remains"], false);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // The report of a repair: the worst contacts before and after, how far each frame was moved, and what remains.
 import { contactsSection, framesText, sizeText, title, type PicturedContact, type Scale } from './contacts';
 import { section, table } from './tables';
-import { groupsOf, type Contact } from '../shared/contact';
+import { groupsOf } from '../shared/contact';
 import { el, notesOfReaders } from '../shared/dom';
 import { counted, grouped, lengthText, short } from '../shared/format';
 import { themeButton } from '../shared/theme';
@@ -36,8 +36,9 @@ export interface Repair extends Record<Lists, PicturedContact[]> {
 
 export interface Pictures {
   contact: number;
+  remains: boolean; // something of it still touches
   before: string;
-  after: string | null;
+  after: string | null; // null: its frames were not written
 }
 
 export interface RepairData {
@@ -69,27 +70,20 @@ function lead({ repair, objects }: RepairData, unit: string): string {
   return parts.join(' ');
 }
 
-/** Whether two contacts are of the same sides, at the same time and place. */
-function meet(a: Contact, b: Contact): boolean {
-  const names = ({ sides }: Contact) => sides.map(({ object, name }) => `${object} ${name}`).sort().join('\n');
-  const [[lowA, highA], [lowB, highB]] = [a.box, b.box];
-  return names(a) === names(b) && a.first_time <= b.last_time && b.first_time <= a.last_time && lowA.every((low, axis) => low <= highB[axis]! && lowB[axis]! <= highA[axis]!);
-}
-
-function comparison({ repair }: RepairData, { contact: number, before, after }: Pictures, scale: Scale): HTMLElement | null {
+function comparison({ repair }: RepairData, { contact: number, remains, before, after }: Pictures, scale: Scale): HTMLElement | null {
   const group = groupsOf(repair.before).find(({ contacts }) => contacts[0]!.number === number);
   if (!group) return null;
   const contact = group.contacts[0]!;
   const shown = short(contact.worst ?? contact.first_time);
   const picture = (source: string, what: string) => el('figure', {}, el('img', { src: source, alt: `Frame ${shown}, ${what}` }), el('figcaption', {}, `Frame ${shown}, ${what}`));
-  const remains = repair.remaining.some((other) => meet(contact, other));
-  const moved = largest(repair.frames.filter(({ time }) => Math.floor(contact.first_time) <= time && time <= Math.ceil(contact.last_time)));
+  const moved = () => largest(repair.frames.filter(({ time }) => Math.floor(contact.first_time) <= time && time <= Math.ceil(contact.last_time))).correction;
+  const answer = remains ? 'remains' : after === null ? 'not written' : 'repaired';
   const facts: [string, string][] = [
     ['before', `${[group.often, sizeText(contact, scale)].filter(Boolean).join(', ')}; ${framesText(group.contacts)}`],
-    ['after', remains ? 'something touches here' : `nothing touches; there vertices were moved by at most ${lengthText(moved.correction, scale.unit)}`],
+    ['after', remains ? 'something touches here' : after === null ? 'not written' : `nothing touches; there vertices were moved by at most ${lengthText(moved(), scale.unit)}`],
   ];
   const list = el('dl', {}, ...facts.flatMap(([key, value]) => [el('dt', {}, key), el('dd', {}, value)]));
-  return el('article', { className: 'contact comparison' }, el('header', {}, title(contact), el('b', { className: `answer ${remains ? 'hit' : 'free'}` }, remains ? 'remains' : 'repaired')), el('div', { className: 'pair' }, picture(before, 'before'), after && picture(after, 'after')), list);
+  return el('article', { className: 'contact comparison' }, el('header', {}, title(contact), el('b', { className: `answer ${answer === 'repaired' ? 'free' : 'hit'}` }, answer)), el('div', { className: 'pair' }, picture(before, 'before'), after && picture(after, 'after')), list);
 }
 
 /** The largest correction of each frame, or of several where there are many. */
