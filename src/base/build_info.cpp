@@ -1,12 +1,28 @@
 #include <fmt/format.h>
-#include <hwy/targets.h>
 
 #include <string_view>
+
+#undef HWY_TARGET_INCLUDE  // Highway compiles this file once per instruction set
+#define HWY_TARGET_INCLUDE "base/build_info.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
 #include "base/parallel.h"
 #include "foldproof/base.h"
 
+HWY_BEFORE_NAMESPACE();
+namespace foldproof::HWY_NAMESPACE {
+
+const char* InstructionSet() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace foldproof::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace foldproof {
+
+HWY_EXPORT(InstructionSet);
+
 namespace {
 
 std::string compiler() {
@@ -30,10 +46,8 @@ std::string threads() {
   return fmt::format("threads {} ({})", by, thread_count());
 }
 
-/// Of those that the library has code for and this machine runs, the best, which Highway takes.
 std::string instruction_set() {
-  const std::int64_t both = HWY_SUPPORTED_TARGETS & HWY_TARGETS;
-  const std::string_view name = hwy::TargetName(both & -both);
+  const std::string_view name = HWY_DYNAMIC_DISPATCH(InstructionSet)();
   return name.starts_with("AVX3") ? "AVX-512" : std::string(name);
 }
 
@@ -42,3 +56,4 @@ std::string instruction_set() {
 std::string build_info() { return fmt::format("{}, {}, {}", compiler(), threads(), instruction_set()); }
 
 }  // namespace foldproof
+#endif
