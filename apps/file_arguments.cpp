@@ -11,6 +11,7 @@
 #include "io/formats.h"
 #include "io/named_files.h"
 #include "io/numbered.h"
+#include "io/write_error.h"
 #include "system/file.h"
 #include "terminal.h"
 
@@ -57,8 +58,7 @@ Result<void> require_good_name(const Option& option, const std::string& path, Ou
     if (output == Output::Text) return {};
     return fail(ErrorCode::InvalidArgument, where, "cannot be standard output", "name a file");
   }
-  if (const std::string problem = system::problem_of_name(path); !problem.empty())
-    return fail(ErrorCode::InvalidArgument, where, "cannot be written: " + problem, "give it another name");
+  FOLDPROOF_TRY(io::require_possible_name(where, path));
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   if (code == std::errc::filename_too_long)

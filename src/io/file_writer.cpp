@@ -82,7 +82,7 @@ Result<FileWriter> FileWriter::open(const std::string& path) {
     if (state.failure) return io::write_error(path, state.failure);
     return writer;
   }
-  FOLDPROOF_TRY(io::require_possible_name(path));
+  FOLDPROOF_TRY(io::require_possible_name(path, path));
   std::error_code status;
   state.target = target.file.string();
   if (fs::is_directory(state.target, status))

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 Result<NewDirectory> NewDirectory::open(fs::path target) {
   NewDirectory made;
   constexpr int kMostTries = 1000;  // another process of this number may have left some behind
-  FOLDPROOF_TRY(require_possible_name(target.string()));
+  FOLDPROOF_TRY(require_possible_name(target.string(), target.string()));
   std::error_code code = std::make_error_code(std::errc::file_exists);
   for (int number = 0; number < kMostTries && code == std::errc::file_exists; ++number) {
     made.path_ = target.parent_path() /

@@ -14,11 +14,11 @@ inline tl::unexpected<Error> write_error(const std::string& path, const std::err
               "check the directory, its permissions and the free space");
 }
 
-/// Error: the system keeps a name of this path for other things.
-inline Result<void> require_possible_name(const std::string& path) {
+/// Error, about `where`: the system keeps a name of this path for other things.
+inline Result<void> require_possible_name(const std::string& where, const std::string& path) {
   const std::string problem = system::problem_of_name(path);
   if (problem.empty()) return {};
-  return fail(ErrorCode::InvalidArgument, path, "cannot be written: " + problem, "give it another name");
+  return fail(ErrorCode::InvalidArgument, where, "cannot be written: " + problem, "give it another name");
 }
 
 }  // namespace foldproof::io

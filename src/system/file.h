@@ -49,9 +49,12 @@ class File {
   static File duplicate(int descriptor, std::error_code& code);
   /// To read and write; closing deletes it.
   static File temporary(std::error_code& code);
-  File(File&& other) noexcept;
-  File& operator=(File&& other) noexcept;
-  ~File();
+  File(File&& other) noexcept : handle_(std::exchange(other.handle_, kNone)) {}
+  File& operator=(File&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~File() { [[maybe_unused]] const std::error_code ignored = close(); }
 
   explicit operator bool() const { return handle_ != kNone; }
 
@@ -77,7 +80,7 @@ std::error_code rename(const std::filesystem::path& from, const std::filesystem:
 /// Whether a file may take the name of one that is open.
 bool can_replace_open_files();
 
-/// Whether a file may be written, or files into a directory, as far as this can be told.
+/// Whether a file may be written, or files into a directory, as far as the system says.
 bool may_write(const std::filesystem::path& path);
 
 /// A number that no other running program has.

@@ -77,15 +77,6 @@ File File::temporary(std::error_code& code) {
   return file;
 }
 
-File::File(File&& other) noexcept : handle_(std::exchange(other.handle_, kNone)) {}
-
-File& File::operator=(File&& other) noexcept {
-  std::swap(handle_, other.handle_);
-  return *this;
-}
-
-File::~File() { [[maybe_unused]] const std::error_code ignored = close(); }
-
 std::size_t File::read_at(std::uint64_t offset, std::span<char> out, std::error_code& code) const {
   code.clear();
   std::size_t done = 0;
