@@ -115,15 +115,14 @@ void run_in_parallel(std::size_t count, const std::function<void(std::size_t)>& 
   ThreadBudget& budget = ThreadBudget::instance();
   const int helpers = budget.acquire(count - 1);
   Loop loop(count, body);
-  {
-    std::vector<std::jthread> threads;  // joined at the end of the block
-    try {
-      for (int k = 0; k < helpers; ++k) threads.emplace_back([&] { loop.run_iterations(); });
-    } catch (const std::exception&) {
-      // The system starts no more threads: those that run do the work.
-    }
-    loop.run_iterations();
+  std::vector<std::thread> threads;
+  try {
+    for (int k = 0; k < helpers; ++k) threads.emplace_back([&] { loop.run_iterations(); });
+  } catch (const std::exception&) {
+    // The system starts no more threads: those that run do the work.
   }
+  loop.run_iterations();
+  for (std::thread& thread : threads) thread.join();
   budget.release(helpers);
   loop.rethrow();
 }

@@ -244,8 +244,10 @@ TEST(Modes, ChangeNoAnswerAboutAPair) {
 }
 
 bool is_plain() {
-  const volatile double tiny = 0x1p-1060, one = 1, zero = 0;
-  return tiny * one != 0 && one + 0x1p-54 == one && -one - 0x1p-54 == -one && !std::isfinite(one / zero);
+  const volatile double tiny = 0x1p-1060, one = 1, zero = 0, quarter = 0.25;
+  const bool functions = std::nearbyint(quarter) == 0 && std::nearbyint(3 * quarter) == 1;
+  return tiny * one != 0 && one + 0x1p-54 == one && -one - 0x1p-54 == -one && !std::isfinite(one / zero) &&
+         functions;
 }
 
 // Tasks run in the mode that proofs assume, whether or not their arena was made in another one.
