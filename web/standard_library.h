@@ -2,11 +2,9 @@
 /// the WebAssembly build includes it first.
 #pragma once
 
-#include <charconv>
 #include <type_traits>
 #include <version>
 
-#include <fast_float/fast_float.h>
 #include <range/v3/algorithm/adjacent_find.hpp>
 #include <range/v3/algorithm/all_of.hpp>
 #include <range/v3/algorithm/any_of.hpp>
@@ -34,11 +32,6 @@ namespace std {
 template <class To, class From>
 constexpr To bit_cast(const From& from) noexcept {
   return __builtin_bit_cast(To, from);
-}
-
-inline from_chars_result from_chars(const char* first, const char* last, double& value) {
-  const auto [end, status] = fast_float::from_chars(first, last, value);
-  return {end, status};
 }
 
 namespace ranges {

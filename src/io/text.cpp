@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/read_double.h"
+
 namespace foldproof::io {
 namespace {
 
@@ -96,7 +98,7 @@ std::string_view TextCursor::tail() {
 Scan TextCursor::number(double& value) {
   if (at_line_end()) return Scan::Missing;
   if (*at_ == '+' && end_ - at_ >= 2 && at_[1] != '-') ++at_;
-  const auto [stop, status] = std::from_chars(at_, end_, value);
+  const auto [stop, status] = read_double(at_, end_, value);
   if (status == std::errc::invalid_argument) return Scan::Malformed;
   const std::string_view text(at_, static_cast<std::size_t>(stop - at_));
   at_ = stop;

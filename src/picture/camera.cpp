@@ -1,9 +1,9 @@
 #include "picture/camera.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "base/read_double.h"
 #include "picture/upright.h"
 
 namespace foldproof {
@@ -79,7 +79,7 @@ Result<View> parse_view(const std::string& text, Up up) {
   bool valid = true;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) valid = valid && next != end && *next++ == ',';
-    const auto number = std::from_chars(next, end, from[axis]);
+    const auto number = read_double(next, end, from[axis]);
     valid = valid && number.ec == std::errc{};
     next = number.ptr;
   }

@@ -1,8 +1,6 @@
 # What runs in Wine. Left out: tests that need CGAL (its exact numbers need GMP), that watch memory or processes by what Windows
-# has otherwise, and those of what is not offered there. Check, filters, solver and contacts are not here yet; program_in_wine
-# asks what they ask, of whole motions. modes_test is left out because Modes.ChangeNoQuery FAILS there, upward only, probably as
-# MinGW's mathematical functions round like the x87 unit, whose mode PlainArithmetic does not set. foldproof.exe sets no mode.
-set(FOLDPROOF_NOT_ON_WINDOWS "/(static_agreement|static_predicates|hostile_test|linear_test|locale_test|modes_test|new_directory_test|pipe_test|real_data_test|writer_test)\\.cpp$")
+# has otherwise, and those of what is not offered there.
+set(FOLDPROOF_NOT_ON_WINDOWS "/(static_agreement|static_predicates|hostile_test|linear_test|locale_test|new_directory_test|pipe_test|real_data_test|writer_test)\\.cpp$")
 find_package(nlohmann_json REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
@@ -16,10 +14,15 @@ foldproof_module_tests(mesh foldproof)
 foldproof_module_tests(ccd foldproof foldproof_oracle)
 foldproof_module_tests(bvh foldproof foldproof_oracle)
 foldproof_module_tests(certificate foldproof foldproof_oracle)
+foldproof_module_tests(check foldproof foldproof_oracle)
+foldproof_module_tests(filters foldproof foldproof_oracle)
+foldproof_module_tests(solver foldproof foldproof_oracle)
+foldproof_module_tests(contacts foldproof foldproof_oracle)
+target_sources(test_contacts PRIVATE check/animations.cpp)
 foldproof_module_tests(io foldproof_io PkgConfig::FOLDPROOF_LIBZIP ZLIB::ZLIB)
 foldproof_module_tests(system foldproof_io)
 add_custom_target(windows_tests DEPENDS test_base test_platforms test_arithmetic test_mesh test_ccd test_bvh test_certificate
-  test_io test_system)
+  test_check test_filters test_solver test_contacts test_io test_system)
 
 # The program's answers, to what the one in build/ answers here.
 set(FOLDPROOF_BUILT ${PROJECT_SOURCE_DIR}/build/foldproof CACHE FILEPATH "The program, built for this machine")
