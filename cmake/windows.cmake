@@ -29,5 +29,6 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(ENV{PKG_CONFIG_LIBDIR} ${WINDOWS_ROOT}/lib/pkgconfig)
 # With a home of its own, names in UTF-8 on this side, too, and one processor: Wine takes long to start the threads of small loops.
-set(CMAKE_CROSSCOMPILING_EMULATOR taskset -c 0 env WINEDEBUG=-all WINEPREFIX=${CMAKE_CURRENT_LIST_DIR}/../build-windows/wine LC_ALL=C.UTF-8
-  /usr/lib/wine/wine64)
+# Without Wine's debugger, after which a program that crashed may end with exit code 0.
+set(CMAKE_CROSSCOMPILING_EMULATOR taskset -c 0 env WINEDEBUG=-all WINEDLLOVERRIDES=winedbg.exe=d LC_ALL=C.UTF-8
+  WINEPREFIX=${CMAKE_CURRENT_LIST_DIR}/../build-windows/wine /usr/lib/wine/wine64)
