@@ -27,7 +27,7 @@ Command add_sample(CommandLine& program);
 Command add_demo(CommandLine& program);
 Command add_repair(CommandLine& program, std::span<char* const> arguments);
 /// `program` must outlive the returned function.
-Command add_view(CommandLine& program);
+Command add_view(CommandLine& program, std::span<char* const> arguments);
 /// `arguments`: the command line, which reports quote.
 Command add_report(CommandLine& program, std::span<char* const> arguments);
 Command add_sweep(CommandLine& program, std::span<char* const> arguments);

@@ -19,7 +19,7 @@ constexpr const char* kProgramFooter =
 Result<int> run(std::span<char* const> arguments) {
   CommandLine program(kAbout, kProgramFooter);
   const std::vector<std::pair<std::string, Command>> commands = {{"check", add_check(program)},
-                                                                 {"view", add_view(program)},
+                                                                 {"view", add_view(program, arguments)},
                                                                  {"repair", add_repair(program, arguments)},
                                                                  {"report", add_report(program, arguments)},
                                                                  {"sweep", add_sweep(program, arguments)},

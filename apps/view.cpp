@@ -32,7 +32,7 @@ Examples:
                                                   ssh -L 8000:127.0.0.1:8000 THAT_MACHINE)";
 
 struct ViewArguments : StepArguments {
-  std::string unit;
+  std::string unit, command;
   int port = 0;
   bool no_browser = false;
 };
@@ -50,8 +50,11 @@ Result<int> view(const ViewArguments& a) {
   FOLDPROOF_TRY(limit_threads(a.threads, limit));
   auto opened = FOLDPROOF_TRY(open_motions(a));
   opened.settings.unit = a.unit;
-  const auto page =
-      FOLDPROOF_TRY(Page::open({std::move(opened.motions), std::move(opened.settings), a.motion.read}));
+  const auto page = FOLDPROOF_TRY(Page::open({.motions = std::move(opened.motions),
+                                              .check = std::move(opened.settings),
+                                              .read = a.motion.read,
+                                              .files = files,
+                                              .command = a.command}));
   auto server = FOLDPROOF_TRY(PageServer::open(*page, files, a.port));
   system::on_interrupt(end);
   const std::string address = fmt::format("http://127.0.0.1:{}/", server.port());
@@ -64,11 +67,12 @@ Result<int> view(const ViewArguments& a) {
 
 }  // namespace
 
-Command add_view(CommandLine& program) {
+Command add_view(CommandLine& program, std::span<char* const> arguments) {
   const Subcommand command =
       program.add_subcommand("view", "Look at motions, collisions and proofs in the browser");
   command.footer(std::string(kMotionHelp) + kViewFooter);
   const auto a = std::make_shared<ViewArguments>();
+  a->command = command_line(arguments);
   add_step_options(command, *a);
   command.add_option("--unit", a->unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")
       .type_name("NAME");

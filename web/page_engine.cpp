@@ -7,6 +7,7 @@
 
 #include "base/try.h"
 #include "page/page_json.h"
+#include "page/query.h"
 #include "page_files.h"
 
 namespace foldproof {
@@ -19,18 +20,6 @@ std::atomic<bool> stop = false;
 PageAnswer answer;
 
 constexpr const char* kReport = "/report.html";  // there from the end of the check on
-
-/// The parameters of "a=1&b=2".
-PageQuery query_of(std::string_view text) {
-  PageQuery query;
-  while (!text.empty()) {
-    const std::string_view item = text.substr(0, text.find('&'));
-    text.remove_prefix(std::min(item.size() + 1, text.size()));
-    const std::size_t equals = std::min(item.find('='), item.size());
-    query.emplace(item.substr(0, equals), item.substr(std::min(equals + 1, item.size())));
-  }
-  return query;
-}
 
 MeshFiles mesh_files_of(const Json& request) {
   const std::string meshes = request.value("meshes", "names");
@@ -58,6 +47,8 @@ Result<void> open(const Json& request) {
     return page_report(kReport, motions, {{settings, read}, command}, page_files());
   };
   input.repair_progress = tell_share;
+  input.files = page_files();
+  input.command = command;
   page = FOLDPROOF_TRY(Page::open(std::move(input)));
   return {};
 }

@@ -408,7 +408,7 @@ test('repairs one object beside another that may not move', async () => {
     await page.click('.repair .form button >> text=Repair');
     await until(page, (s) => s.repaired, 'the repaired motion', 30_000);
     assert.match(await textOf(page, '.stage > .badge'), /apart from what may not move, which touches itself/);
-    assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save shirt-repaired.npz']);
+    assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save shirt-repaired.npz', 'Save report']);
     // Only the contacts of a card, and what stays is said.
     await page.click('.contacts .contact >> text=body with itself');
     await page.click('.contact[aria-selected=true] >> text=Repair only this');
@@ -417,8 +417,67 @@ test('repairs one object beside another that may not move', async () => {
     await page.click('.repair .form button >> text=Repair');
     await page.waitForSelector('.repair >> text=/^Save body/', { timeout: 30_000 });
     assert.match(await textOf(page, '.repair .verdict'), /what was chosen is gone.* left: body and shirt go through each other/);
+    // The shirt was not moved.
+    assert.deepEqual(await page.locator('.repair >> text=/^Save/').allInnerTexts(), ['Save body-repaired.npz', 'Save report']);
+    await page.click('.remaining >> text=/^body – shirt: .* deep, frames? \\d/');
+    await until(page, (s) => s.shape === 'repaired' && s.left > 0 && !s.waiting, 'what was left');
+    assert.match(await textOf(page, '.legend'), /What still touches: one side/);
+    const shown = await still(page);
+    const [report] = await Promise.all([page.waitForEvent('download'), page.click('text=Save report')]);
+    assert.match(report.suggestedFilename(), /-repair\.html$/);
+    assert.match(readFileSync(await report.path(), 'utf8'), /"fixed":\[\].*"left":\[\{/s);
+    await page.keyboard.press('f');
+    await looks(page, (now) => differs(now, shown), 'what was before');
   });
   await clothed.end();
+});
+
+test('paints vertices that stay', async () => {
+  const spheres = await view(...makeSpheres('painted', { distances: [2.3, 1.9, 2.3] }));
+  await visit(spheres, async (page) => {
+    await until(page, (s) => s.contacts > 0, 'contacts');
+    await page.keyboard.press('r');
+    await page.keyboard.press('1');
+    await landed(page);
+    const plain = await still(page);
+    await page.click('.repair >> text=What may move…');
+    await page.click('text=Paint what stays');
+    const box = await page.locator('.stage canvas').boundingBox();
+    const [x, y] = [box.x + box.width / 4, box.y + box.height / 2];
+    const camera = await landed(page);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 60, y, { steps: 3 });
+    await page.mouse.up();
+    const { painted } = await until(page, (s) => s.painted > 0, 'paint');
+    assert.deepEqual(await landed(page), camera, 'painting does not orbit');
+    assert.match(await textOf(page, '.paint'), new RegExp(`${painted} vertices stay`));
+    await looks(page, (now) => differs(now, plain), 'paint is seen');
+    assert.equal(await page.locator('.card:visible').count(), 0, 'nothing was picked');
+    // Shift erases what is under the brush.
+    await page.keyboard.down('Shift');
+    await page.mouse.click(x + 60, y);
+    await page.keyboard.up('Shift');
+    const { painted: fewer } = await until(page, (s) => s.painted < painted, 'erasing');
+    assert.ok(fewer > 0);
+    // Beside the surface a drag orbits.
+    await page.mouse.move(box.x + box.width - 60, box.y + 100);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width - 90, box.y + 130, { steps: 3 });
+    await page.mouse.up();
+    assert.notDeepEqual(await landed(page), camera);
+    await page.keyboard.press('Escape');
+    assert.equal(await page.locator('text=Paint what stays').getAttribute('aria-pressed'), 'false');
+    const asked = page.waitForRequest(/repair\/start/);
+    await page.click('.repair .form button >> text=/^Repair$/');
+    assert.match((await asked).url(), /vertices=0:\d+/);
+    await until(page, (s) => s.repaired, 'the repaired motion', 30_000);
+    await page.waitForSelector(`.repair >> text=${fewer} vertices stay…`);
+    await page.click(`.repair >> text=${fewer} vertices stay…`);
+    await page.click('.paint >> text=Clear');
+    assert.equal((await state(page)).painted, 0);
+  });
+  await spheres.end();
 });
 
 test('cuts, turns upright, looks from six sides', () =>

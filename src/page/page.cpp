@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <charconv>
 #include <optional>
 
 #include "base/try.h"
 #include "page/found_contacts.h"
 #include "page/page_json.h"
+#include "page/query.h"
 #include "page/radius.h"
 #include "page/repair.h"
 #include "report/contact_pictures.h"
@@ -19,12 +19,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are sent in native byte order");
 
-constexpr std::uint64_t kMaxItems = 1000;
-
-PageAnswer refuse(int status, const std::string& line) {
-  return {status, "application/json", error_json(line)};
-}
-PageAnswer refuse(const Error& error) { return refuse(500, error.line()); }
 PageAnswer json_answer(const Json& json) { return {.body = dump(json)}; }
 
 template <class T>
@@ -43,23 +37,6 @@ PageAnswer float_answer(std::span<const double> values, const Vec3& origin = Vec
 }
 PageAnswer vector_answer(const Eigen::Ref<const Eigen::VectorXd>& values, const Vec3& origin = Vec3::Zero()) {
   return float_answer(std::span(values.data(), static_cast<std::size_t>(values.size())), origin);
-}
-
-std::optional<std::uint64_t> number_in(std::string_view text) {
-  std::uint64_t number = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator = '/') {
-  std::vector<std::string_view> parts;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t to = std::min(text.find(separator, from), text.size());
-    parts.push_back(text.substr(from, to - from));
-    from = to + 1;
-  }
-  return parts;
 }
 
 }  // namespace
@@ -102,6 +79,8 @@ struct Page::Impl {
   PageAnswer repair_status(Numbers, const PageQuery&) const { return json_answer(repair->status()); }
   PageAnswer repair_start(Numbers, const PageQuery&) const;
   PageAnswer repair_cancel(Numbers, const PageQuery&) const;
+  PageAnswer repair_contacts(Numbers, const PageQuery& query) const;
+  PageAnswer repair_report(Numbers, const PageQuery&) const;
   PageAnswer repaired_frame(Numbers, const PageQuery&) const;
   PageAnswer repaired_file(Numbers, const PageQuery&) const;
 
@@ -120,41 +99,6 @@ struct Page::Impl {
 };
 
 namespace {
-
-/// A numeric parameter, `fallback` if it is absent; nothing if it is not a number.
-std::optional<std::uint64_t> number_of(const PageQuery& query, std::string_view name,
-                                       std::uint64_t fallback) {
-  const auto found = query.find(name);
-  return found == query.end() ? fallback : number_in(found->second);
-}
-
-PageAnswer no_number(std::string_view name) { return refuse(400, fmt::format("'{}' is no number", name)); }
-
-/// Numbers with commas between; none if the parameter is absent.
-tl::expected<std::vector<std::uint64_t>, PageAnswer> numbers_of(const PageQuery& query,
-                                                                std::string_view name) {
-  std::vector<std::uint64_t> numbers;
-  const auto named = query.find(name);
-  for (const auto& text : split(named == query.end() ? std::string_view() : named->second, ',')) {
-    if (text.empty()) continue;
-    const auto number = number_in(text);
-    if (!number) return tl::unexpected(no_number(name));
-    numbers.push_back(*number);
-  }
-  return numbers;
-}
-
-/// The requested part of a list.
-struct Part {
-  std::uint64_t offset = 0, limit = 0;
-};
-
-tl::expected<Part, PageAnswer> part_of(const PageQuery& query) {
-  const auto offset = number_of(query, "offset", 0), limit = number_of(query, "limit", kMaxItems);
-  if (!offset) return tl::unexpected(no_number("offset"));
-  if (limit && *limit <= kMaxItems) return Part{*offset, *limit};
-  return tl::unexpected(refuse(400, fmt::format("'limit' is no number up to {}", kMaxItems)));
-}
 
 /// Adds the steps of a check to the store.
 class StoreWriter final : public ReportWriter {
@@ -382,11 +326,16 @@ PageAnswer Page::Impl::repair_start(Numbers, const PageQuery& query) const {
     if (auto answer = missing_object(number)) return *answer;
     choice.fixed.push_back(static_cast<Index>(number));
   }
-  const auto names = scene->part_names();
+  const auto known = scene->parts();
   for (const std::uint64_t number : *parts) {
-    if (number >= names.size()) return refuse(404, fmt::format("there is no part {}", number));
-    choice.fixed_parts.push_back(names[number]);
+    if (number >= known.size()) return refuse(404, fmt::format("there is no part {}", number));
+    choice.fixed_parts.push_back(known[number]);
   }
+  std::vector<Index> counts;
+  for (const auto& each : scene->objects()) counts.push_back(each->motion->topology().vertex_count());
+  auto vertices = vertices_of(query, "vertices", counts);
+  if (!vertices) return vertices.error();
+  choice.fixed_vertices = std::move(*vertices);
   if (!contacts->empty()) {
     const auto all = contacts_found_with(contacts->front());
     if (!all) return all.error();
@@ -399,6 +348,19 @@ PageAnswer Page::Impl::repair_start(Numbers, const PageQuery& query) const {
 PageAnswer Page::Impl::repair_cancel(Numbers, const PageQuery&) const {
   repair->cancel();
   return json_answer(repair->status());
+}
+
+PageAnswer Page::Impl::repair_contacts(Numbers, const PageQuery& query) const {
+  const auto part = part_of(query);
+  if (!part) return part.error();
+  const auto contacts = repair->contacts(part->offset, part->limit);
+  return contacts ? json_answer(*contacts) : refuse(404, contacts.error().line());
+}
+
+PageAnswer Page::Impl::repair_report(Numbers, const PageQuery&) const {
+  auto bytes = repair->report();
+  return bytes ? PageAnswer{200, "text/html; charset=utf-8", std::move(*bytes)}
+               : refuse(404, bytes.error().line());
 }
 
 PageAnswer Page::Impl::repaired_frame(Numbers n, const PageQuery&) const {
@@ -450,11 +412,11 @@ Page::~Page() = default;
 Result<std::unique_ptr<Page>> Page::open(PageInput input) {
   auto impl = std::make_unique<Impl>();
   const auto writer = std::move(input.writer);
-  auto progress = input.repair_progress;
+  RepairService::Context context{input.repair_progress, input.files, input.command};
   impl->scene = FOLDPROOF_TRY(SceneData::open(std::move(input)));
   impl->store = FOLDPROOF_TRY(StepStore::open(impl->scene->motions()));
   impl->radii = std::make_unique<RadiusService>(*impl->scene);
-  impl->repair = std::make_unique<RepairService>(*impl->scene, std::move(progress));
+  impl->repair = std::make_unique<RepairService>(*impl->scene, std::move(context));
   impl->writers.push_back(std::make_unique<StoreWriter>(*impl->store));
   if (writer) impl->writers.push_back(FOLDPROOF_TRY(writer(impl->scene->motions(), impl->scene->settings())));
   impl->check =
@@ -485,12 +447,14 @@ PageAnswer Page::get(std::string_view path, const PageQuery& query) const {
       {"/api/repair", &Impl::repair_status},
       {"/api/repair/start", &Impl::repair_start},
       {"/api/repair/cancel", &Impl::repair_cancel},
+      {"/api/repair/contacts", &Impl::repair_contacts},
+      {"/api/repair/report", &Impl::repair_report},
       {"/api/objects/#/repaired/file", &Impl::repaired_file},
       {"/api/objects/#/repaired/#", &Impl::repaired_frame},
   };
-  const auto parts = split(path);
+  const auto parts = split(path, '/');
   for (const Route& route : routes) {
-    const auto pattern = split(route.pattern);
+    const auto pattern = split(route.pattern, '/');
     if (pattern.size() != parts.size()) continue;
     std::vector<std::uint64_t> numbers;
     std::string_view bad;

@@ -45,6 +45,8 @@ struct PageInput {
   std::function<Result<std::unique_ptr<ReportWriter>>(Motions, const CheckSettings&)> writer = {};
   /// Called with the share of a repair that is done, where requests cannot be answered meanwhile; or empty.
   std::function<void(double)> repair_progress = {};
+  std::vector<PageFile> files = {};  ///< Those under "report/", for the reports of repairs.
+  std::string command = {};          ///< The command line, for these.
 };
 
 /// The response to a request.

@@ -10,6 +10,7 @@
 #include "io/gltf_repair.h"
 #include "io/new_directory.h"
 #include "page/page_json.h"
+#include "page/repaired_report.h"
 #include "report/repair_files.h"
 #include "report/repair_report.h"
 
@@ -48,8 +49,9 @@ Json RepairService::status() const {
   json.update(repair_json(scene_.motions(), done_->request, report));
   Json& files = json["files"] = Json::array();
   if (!report.written || report.unchanged) return json;
-  for (std::size_t i = 0; i < done_->files.size(); ++i)
-    files.push_back({{"object", done_->motions.movable[i]}, {"name", done_->files[i]}});
+  for (std::size_t i = 0; i < done_->files.size(); ++i) {
+    if (done_->moved[i]) files.push_back({{"object", done_->motions.movable[i]}, {"name", done_->files[i]}});
+  }
   return json;
 }
 
@@ -82,13 +84,16 @@ Result<RepairService::Repaired> RepairService::compute(const RepairChoice& choic
   if (scene_.settings().poses)
     return fail(ErrorCode::InvalidArgument, "--static",
                 "checks frames one by one, and a repair is of a motion", "start without it");
-  RepairRequest request{scene_.settings(), {}, choice.fixed_parts, {}};
+  RepairRequest request{scene_.settings(), {}, {}, {}};
   request.check.step.explain = false;
   for (const Index object : choice.fixed) request.fixed.push_back(scene_.motions()[object]->name());
+  for (const ScenePart& part : choice.fixed_parts)
+    request.fixed.push_back(scene_.motions()[part.object]->name() + ":" + scene_.part_name(part));
+  request.fixed_vertices = choice.fixed_vertices;
   if (choice.contact) request.repair.chosen = in_group_of(*choice.contact);
   request.repair.interrupted = [&] { return stop || cancelled_; };
   request.repair.progress = [this](double share) {
-    if (tell_) tell_(share);
+    if (context_.progress) context_.progress(share);
     const std::lock_guard lock(mutex_);
     progress_ = share;
   };
@@ -99,12 +104,34 @@ Result<RepairService::Repaired> RepairService::compute(const RepairChoice& choic
   request.repair.progress = nullptr;
   std::vector<std::string> files;
   for (const Index object : motions.movable) files.push_back(file_name(object));
-  return Repaired{std::move(request), std::move(motions), std::move(files)};
+  auto moved = FOLDPROOF_TRY(this->moved(motions));
+  return Repaired{std::move(request), std::move(motions), std::move(files), std::move(moved)};
+}
+
+Result<std::vector<bool>> RepairService::moved(const RepairedMotions& motions) const {
+  std::vector<bool> moved(motions.movable.size(), false);
+  if (!motions.report.written || motions.report.unchanged) return moved;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const Index object = motions.movable[i];
+    const auto after = motions.motion(object);
+    std::vector<double> x(3 * std::size_t{after->topology().vertex_count()});
+    for (Index k = 0; k < after->frame_count() && !moved[i]; ++k) {
+      FOLDPROOF_TRY(after->read_frame(k, x));
+      moved[i] = x != *FOLDPROOF_TRY(scene_.frame(object, k));
+    }
+  }
+  return moved;
+}
+
+Result<std::shared_ptr<const RepairService::Repaired>> RepairService::done() const {
+  const std::lock_guard lock(mutex_);
+  if (done_) return done_;
+  return tl::unexpected(nothing_repaired());
 }
 
 Result<std::shared_ptr<const RepairService::Repaired>> RepairService::repaired(Index object) const {
-  const std::lock_guard lock(mutex_);
-  if (done_ && done_->motions.report.written && object < scene_.objects().size()) return done_;
+  auto done = FOLDPROOF_TRY(this->done());
+  if (done->motions.report.written && object < scene_.objects().size()) return done;
   return tl::unexpected(nothing_repaired());
 }
 
@@ -138,6 +165,34 @@ Result<std::string> RepairService::file(Index object) const {
   }
   if (path.empty()) return tl::unexpected(nothing_repaired());
   FOLDPROOF_TRY(write_outputs(outputs, scene_.motions(), done->request, done->motions));
+  const auto bytes = FOLDPROOF_TRY(io::read_file(path));
+  return std::string(bytes.begin(), bytes.end());
+}
+
+Result<Json> RepairService::contacts(std::uint64_t offset, std::uint64_t limit) const {
+  const auto done = FOLDPROOF_TRY(this->done());
+  const RepairReport& report = done->motions.report;
+  Json items = Json::array();
+  std::uint64_t k = 0;
+  for (const auto* list : {&report.remaining, &report.left}) {
+    const auto contacts = contact_totals(*list, report).contacts;
+    const auto groups = groups_of(contacts);
+    for (std::size_t i = 0; i < contacts.size(); ++i, ++k) {
+      if (k < offset || k - offset >= limit) continue;
+      const auto names = side_names(contacts[i], scene_.motions(), scene_.settings());
+      items.push_back(contact_json(contacts[i], names, groups[i], true));
+    }
+  }
+  return Json{{"total", k}, {"items", std::move(items)}};
+}
+
+Result<std::string> RepairService::report() const {
+  const auto done = FOLDPROOF_TRY(this->done());
+  const auto directory =
+      FOLDPROOF_TRY(io::NewDirectory::open(fs::temp_directory_path() / "foldproof-report"));
+  const std::string path = (directory.path() / "report.html").generic_string();
+  FOLDPROOF_TRY(write_repaired_report(path, scene_.motions(), done->request, done->motions, context_.command,
+                                      context_.files));
   const auto bytes = FOLDPROOF_TRY(io::read_file(path));
   return std::string(bytes.begin(), bytes.end());
 }

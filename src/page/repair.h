@@ -10,16 +10,20 @@ namespace foldproof {
 
 /// What a repair may do.
 struct RepairChoice {
-  std::vector<Index> fixed = {};              ///< Objects that may not move, by number,
-  std::vector<std::string> fixed_parts = {};  ///< and parts, by name.
-  std::optional<Contact> contact = {};        ///< The worst of a group: only contacts of that are repaired.
+  std::vector<Index> fixed = {};                        ///< Objects that may not move,
+  std::vector<ScenePart> fixed_parts = {};              ///< parts,
+  std::vector<std::vector<Index>> fixed_vertices = {};  ///< and vertices, per object; empty: none.
+  std::optional<Contact> contact = {};  ///< The worst of a group: only contacts of that are repaired.
 };
 
 class RepairService {
  public:
-  /// `progress`: called with the share that is done, besides; or empty.
-  RepairService(const SceneData& scene, std::function<void(double)> progress)
-      : scene_(scene), tell_(std::move(progress)) {}
+  struct Context {
+    std::function<void(double)> progress;  ///< Called with the share that is done, besides; or empty.
+    std::vector<PageFile> files;           ///< For reports.
+    std::string command;
+  };
+  RepairService(const SceneData& scene, Context context) : scene_(scene), context_(std::move(context)) {}
 
   /// Queues a repair, in place of an earlier one.
   void start(RepairChoice choice);
@@ -35,6 +39,10 @@ class RepairService {
   /// A file of an object that was repaired: GLB of what was glTF, else NPZ. Error: it was not, or cannot be
   /// written.
   Result<std::string> file(Index object) const;
+  /// The contacts that remain, then those that were left, with their triangles. Error: nothing is repaired.
+  Result<Json> contacts(std::uint64_t offset, std::uint64_t limit) const;
+  /// The HTML report of `repair --report`. Error: nothing is repaired, or those of write_repaired_report.
+  Result<std::string> report() const;
 
  private:
   enum class State : std::uint8_t { Idle, Queued, Running, Done, Failed };
@@ -42,13 +50,16 @@ class RepairService {
     RepairRequest request;
     RepairedMotions motions;
     std::vector<std::string> files;  // names, of the objects that may move
+    std::vector<bool> moved;         // whether each of these was
   };
   Result<Repaired> compute(const RepairChoice& choice, const std::atomic<bool>& stop);
+  Result<std::vector<bool>> moved(const RepairedMotions& motions) const;
+  Result<std::shared_ptr<const Repaired>> done() const;
   Result<std::shared_ptr<const Repaired>> repaired(Index object) const;
   std::string file_name(Index object) const;
 
   const SceneData& scene_;
-  const std::function<void(double)> tell_;
+  const Context context_;
   std::atomic<bool> cancelled_ = false;
   mutable std::mutex mutex_;  // guards the following
   State state_ = State::Idle;

@@ -1,7 +1,10 @@
 #include "page/repaired_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "base/grouped.h"
 #include "base/try.h"
 #include "page/report_file.h"
 #include "report/contact_pictures.h"
@@ -75,7 +78,13 @@ Result<void> write_repaired_report(const std::string& path, Motions motions, con
     counts[list] = contacts.size();
     if (contacts.size() > kListedContacts) contacts.erase(contacts.begin() + kListedContacts, contacts.end());
   }
-  repair["fixed"] = request.fixed;
+  Json& fixed = repair["fixed"] = request.fixed;
+  for (Index i = 0; i < request.fixed_vertices.size(); ++i) {
+    const auto& vertices = request.fixed_vertices[i];
+    if (!vertices.empty())
+      fixed.push_back(
+          fmt::format("{} of the vertices of {}", grouped(vertices.size()), short_name(i, motions)));
+  }
   repair["only"] = request.only;
   repair["between"] = request.between;
   repair["ignore"] = request.check.ignore;

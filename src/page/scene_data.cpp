@@ -65,14 +65,13 @@ std::uint64_t SceneData::steps() const {
   return (frames_.size() - 1) * std::uint64_t{settings_.substeps};
 }
 
-std::vector<std::string> SceneData::part_names() const {
-  std::vector<std::string> names;
+std::vector<ScenePart> SceneData::parts() const {
+  std::vector<ScenePart> parts;
   for (Index i = 0; i < objects_.size(); ++i) {
-    for (const std::string& name : parts_of(i, motions_, settings_).names) {
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
+    for (Index part = 0; part < parts_of(i, motions_, settings_).names.size(); ++part)
+      parts.push_back({i, part});
   }
-  return names;
+  return parts;
 }
 
 Json SceneData::json() const {
@@ -86,6 +85,9 @@ Json SceneData::json() const {
                        {"unchecked", object->motion->info().unchecked},
                        {"model", model_json(object->model.get())}});
   }
+  Json part_list = Json::array();
+  for (const ScenePart& part : parts())
+    part_list.push_back({{"object", part.object}, {"name", part_name(part)}});
   Json frame_names = Json::array();
   const auto& names = motions_.front()->info().frame_names;
   for (const Index k : frames_)
@@ -102,7 +104,7 @@ Json SceneData::json() const {
           {"steps", steps()},
           {"assumed", assumed(motions_, settings_.poses)},
           {"objects", std::move(objects)},
-          {"parts", part_names()},
+          {"parts", std::move(part_list)},
           {"center", {center().x(), center().y(), center().z()}},
           {"low", {low_.x(), low_.y(), low_.z()}},
           {"high", {high_.x(), high_.y(), high_.z()}},

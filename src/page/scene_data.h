@@ -25,6 +25,11 @@ struct PageObject {
   mutable std::unique_ptr<const Predictor> predictor_;
 };
 
+/// A part of an object.
+struct ScenePart {
+  Index object = 0, part = 0;
+};
+
 /// Immutable, apart from a cache of frames. Thread-safe.
 class SceneData {
  public:
@@ -41,8 +46,11 @@ class SceneData {
   /// The middle of the first frame. Positions are sent relative to it, as single precision is fine near 0.
   Vec3 center() const { return (low_ + high_) / 2; }
 
-  /// Of all objects, each once.
-  std::vector<std::string> part_names() const;
+  /// Of all objects, one after the other.
+  std::vector<ScenePart> parts() const;
+  const std::string& part_name(const ScenePart& part) const {
+    return parts_of(part.object, motions_, settings_).names[part.part];
+  }
   Json json() const;
   Result<SharedMotion::Frame> frame(Index object, Index k) const {
     return objects_[object]->motion->frame(frames_[k]);

@@ -5,6 +5,7 @@
 
 #include "page/page.h"
 #include "page/page_json.h"
+#include "page/query.h"
 #include "system/socket.h"
 
 // Last: system headers in it define macros that Eigen stumbles over.
@@ -114,11 +115,19 @@ struct PageServer::Impl {
   PageAnswer answer(const httplib::Request& request) const;
 };
 
+// Starts a repair, whose fixed vertices may be too many for a URL: the parameters stand in the body.
+constexpr const char* kPosted = "/api/repair/start";
+constexpr std::size_t kLargestBody = std::size_t{4} << 20;
+
+bool is_posted(const httplib::Request& request, int port) {
+  return request.method == "POST" && request.path == kPosted && is_this_machine(request, port);
+}
+
 PageAnswer PageServer::Impl::answer(const httplib::Request& request) const {
   if (!is_this_machine(request, port))
     return error_answer(403, "this page is for the machine that it runs on");
   if (request.method != "GET" && request.method != "HEAD")
-    return error_answer(405, "there is nothing but GET here");
+    return error_answer(405, "there is nothing but GET here, and POST to start a repair");
   if (request.path.starts_with("/api/"))
     return page->get(request.path, {request.params.begin(), request.params.end()});
   const auto file = files.find(request.path);
@@ -144,9 +153,14 @@ Result<PageServer> PageServer::open(Page& page, std::span<const PageFile> files,
   }
   impl->http.set_pre_routing_handler(
       [server = impl.get()](const httplib::Request& request, httplib::Response& response) {
+        if (is_posted(request, server->port)) return httplib::Server::HandlerResponse::Unhandled;
         send(server->answer(request), response);
         return httplib::Server::HandlerResponse::Handled;
       });
+  impl->http.set_payload_max_length(kLargestBody);
+  impl->http.Post(kPosted, [&page](const httplib::Request& request, httplib::Response& response) {
+    send(page.get(kPosted, query_of(request.body)), response);
+  });
   impl->http.set_exception_handler(
       [](const httplib::Request&, httplib::Response& response, const std::exception_ptr& thrown) {
         try {

@@ -13,7 +13,8 @@ namespace foldproof {
 namespace {
 
 // What a name stands for: an object as it was named, else all parts of that name, else the one object whose
-// file has this name, with or without its extension.
+// file has this name, with or without its extension, else a part of one object: the names of both with ":"
+// between.
 class Named {
  public:
   Named(const std::string& name, Motions motions, const CheckSettings& settings)
@@ -22,22 +23,30 @@ class Named {
       const auto& parts = parts_of(i, motions, settings).names;
       any_object_ |= motions[i]->name() == name;
       any_part_ |= std::ranges::find(parts, name) != parts.end();
-      if (!has_file_name(i)) continue;
-      file_ = of_file_++ == 0 ? i : kNoIndex;
+      if (has_file_name(i, name)) file_ = of_file_++ == 0 ? i : kNoIndex;
+      const auto own = std::ranges::find_if(parts, [&](const auto& part) { return is_part_of(i, part); });
+      if (own == parts.end()) continue;
+      owner_ = owners_++ == 0 ? i : kNoIndex;
+      own_part_ = *own;
     }
   }
 
-  bool found() const { return any_object_ || any_part_ || of_file_ == 1; }
+  bool found() const { return any_object_ || any_part_ || of_file_ == 1 || (of_file_ == 0 && owners_ == 1); }
   bool is(Index object, Index part) const {
     if (any_object_) return motions_[object]->name() == name_;
-    if (any_part_) return part != kNoIndex && parts_of(object, motions_, settings_).names[part] == name_;
-    return object == file_;
+    if (any_part_) return has_part_name(object, part, name_);
+    if (of_file_ > 0) return object == file_;
+    return object == owner_ && has_part_name(object, part, own_part_);
   }
 
   Error error() const {
     if (of_file_ > 1) {
       return {fmt::format("'{}'", name_), fmt::format("is the file name of {} objects", of_file_),
               "name the one that is meant with its folder"};
+    }
+    if (owners_ > 1) {
+      return {fmt::format("'{}'", name_), fmt::format("is a part of {} objects", owners_),
+              "name the object that is meant with its folder"};
     }
     std::vector<std::string> names;
     for (Index i = 0; i < motions_.size(); ++i) {
@@ -52,9 +61,17 @@ class Named {
   }
 
  private:
-  bool has_file_name(Index object) const {
+  bool has_file_name(Index object, std::string_view name) const {
     const std::filesystem::path path = motions_[object]->name();
-    return path.filename() == name_ || path.stem() == name_;
+    return path.filename() == name || path.stem() == name;
+  }
+  bool has_part_name(Index object, Index part, const std::string& name) const {
+    return part != kNoIndex && parts_of(object, motions_, settings_).names[part] == name;
+  }
+  bool is_part_of(Index object, const std::string& part) const {
+    if (!name_.ends_with(":" + part)) return false;
+    const std::string_view owner = std::string_view(name_).substr(0, name_.size() - part.size() - 1);
+    return motions_[object]->name() == owner || has_file_name(object, owner);
   }
   static std::string listed(const std::vector<std::string>& names) {
     constexpr std::size_t kMost = 6;
@@ -74,6 +91,8 @@ class Named {
   const CheckSettings& settings_;
   bool any_object_ = false, any_part_ = false;
   Index of_file_ = 0, file_ = kNoIndex;
+  Index owners_ = 0, owner_ = kNoIndex;  // of a part that is named with its object
+  std::string own_part_;
 };
 
 using NamedPair = std::array<Named, 2>;

@@ -106,7 +106,8 @@ Result<void> read_again(std::span<const GltfFile> files, const RepairOutputs& ou
     shown.push_back(std::make_unique<ShownFrames>(std::move(motion), begin, count, *motions[i]));
   }
   // Where something touches, it was listed; that nothing else does is known before rounding only.
-  if (!done.report.free || (!done.report.among_fixed.empty() && !request.only.empty())) return {};
+  const bool named = request.only.empty() && request.fixed_vertices.empty();
+  if (!done.report.free || (!done.report.among_fixed.empty() && !named)) return {};
   CheckSettings settings = request.check;
   for (const std::string& a : request.fixed) {
     for (const std::string& b : request.fixed) settings.ignore.push_back({a, b});

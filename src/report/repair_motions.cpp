@@ -60,6 +60,8 @@ Result<std::vector<std::vector<std::uint8_t>>> movable_vertices(Motions motions,
     for (std::size_t t = 0; t < topology.triangles().size(); ++t) {
       for (const Index v : topology.triangles()[t]) of[v] &= fixed[i][t] == 0;
     }
+    if (request.fixed_vertices.empty()) continue;
+    for (const Index v : request.fixed_vertices[i]) of[v] = 0;
   }
   return movable;
 }

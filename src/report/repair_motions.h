@@ -17,6 +17,11 @@ struct RepairRequest {
   /// Pairs of objects or parts, by name: only their contacts are repaired, in place of
   /// RepairSettings::chosen.
   std::vector<std::array<std::string, 2>> between = {};
+  /// Per object, vertices that may not move, besides; empty: none.
+  std::vector<std::vector<Index>> fixed_vertices = {};
+
+  /// Whether something may not move.
+  bool fixes() const { return !fixed.empty() || !only.empty() || !fixed_vertices.empty(); }
 };
 
 /// Whether a contact is of the group (contact_groups.h) of this one, the worst of it.

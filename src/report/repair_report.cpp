@@ -57,7 +57,7 @@ Json contacts_json(Motions motions, const CheckSettings& settings, const RepairR
 }  // namespace
 
 bool no_way(const RepairRequest& request, const RepairReport& report) {
-  return (!request.fixed.empty() || !request.only.empty()) &&
+  return request.fixes() &&
          std::ranges::any_of(report.frames, [](auto& f) { return f.limit == RepairLimit::GivenUp; });
 }
 
@@ -95,7 +95,7 @@ Sentence frames_named(const std::vector<RepairedFrame>& frames,
 
 CheckVerdict repair_verdict(Motions motions, const RepairRequest& request, const RepairReport& report) {
   auto not_tested = untested(motions, request.check, contact_totals({}, report));
-  if (request.check.step.thickness > 0 && (!request.fixed.empty() || !request.only.empty()))
+  if (request.check.step.thickness > 0 && request.fixes())
     not_tested.emplace_back("what may not move was not tested with itself for the thickness");
   CheckVerdict out{.kind = !report.free          ? CheckVerdictKind::Found
                            : report.left.empty() ? CheckVerdictKind::Free

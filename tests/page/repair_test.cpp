@@ -93,30 +93,123 @@ TEST(PageRepair, RepairsContactsAlone) {
   EXPECT_THAT(done["verdict"]["text"].get<std::string>(), HasSubstr("what was chosen is gone"));
   EXPECT_EQ(done["left"].size(), 1);
   EXPECT_EQ(done["left"][0]["sides"][1]["name"], contacts[1]["sides"][1]["name"]);
+  // What was left can be shown.
+  const Json left = served.json("/api/repair/contacts");
+  EXPECT_EQ(left["total"], 1);
+  ASSERT_EQ(left["items"].size(), 1);
+  EXPECT_EQ(left["items"][0]["sides"][1]["name"], contacts[1]["sides"][1]["name"]);
+  EXPECT_GT(left["items"][0]["sides"][1]["triangles"].size(), 0);
+  EXPECT_EQ(served.json("/api/repair/contacts?offset=1")["items"].size(), 0);
+  served.json("/api/repair/contacts?limit=a", 400);
 }
 
-TEST(PageRepair, PartsMayNotMove) {
-  constexpr std::size_t kOfRing = 32, kRingsOfCap = 4, kInCap = 5 * 16;  // triangles; rings; vertices
+TEST(PageRepair, HasAReport) {
+  PageInput input{balls(), {}, {}};
+  input.files.assign(std::begin(kStubPage), std::end(kStubPage));
+  input.command = "foldproof view balls";
+  auto page = Page::open(std::move(input));
+  ASSERT_TRUE(page) << page.error().line();
+  Served served(std::move(*page));
+  served.json("/api/repair/contacts", 404);
+  served.json("/api/repair/report", 404);
+  served.json("/api/repair/start?vertices=0:0-9");
+  ASSERT_EQ(ended(served)["state"], "done");
+  const auto report = served.get("/api/repair/report");
+  EXPECT_EQ(report.status, 200);
+  EXPECT_EQ(report.get_header_value("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_THAT(report.body, HasSubstr("\"command\":\"foldproof view balls\""));
+  EXPECT_THAT(report.body, HasSubstr("\"fixed\":[\"10 of the vertices of still\"]"));
+}
+
+/// The vertices of an object that the repair moved in the middle frame.
+std::vector<Index> moved_vertices(Served& served, Index object) {
+  const std::string path = "/api/objects/" + std::to_string(object);
+  const auto before = served.numbers<float>(path + "/frames/2");
+  const auto after = served.numbers<float>(path + "/repaired/2");
+  EXPECT_EQ(before.size(), after.size());
+  std::vector<Index> moved;
+  for (std::size_t k = 0; k < before.size(); k += 3) {
+    if (!std::equal(&before[k], &before[k] + 3, &after[k])) moved.push_back(static_cast<Index>(k / 3));
+  }
+  return moved;
+}
+
+// Both objects have parts of the same names.
+TEST(PageRepair, PartsOfOneObjectMayNotMove) {
+  constexpr std::size_t kOfRing = 32, kRingsOfCap = 5;  // triangles; rings
+  constexpr Index kInCap = (kRingsOfCap + 1) * 16;      // vertices
   CheckSettings settings;
   settings.parts.resize(2);
-  settings.parts[0].names = {"cap", "rest"};
-  settings.parts[0].of_triangle.assign(balls()[0]->topology().triangles().size(), 1);
-  std::fill_n(settings.parts[0].of_triangle.begin(), kRingsOfCap * kOfRing, 0);
+  for (ObjectParts& parts : settings.parts) {
+    parts.names = {"cap", "rest"};
+    parts.of_triangle.assign(balls()[0]->topology().triangles().size(), 1);
+    std::fill_n(parts.of_triangle.begin(), kRingsOfCap * kOfRing, 0);
+  }
   Served served(page_of(balls(), settings));
-  EXPECT_EQ(served.json("/api/scene")["parts"], Json::parse(R"(["cap", "rest"])"));
-  served.json("/api/repair/start?parts=2", 404);
+  EXPECT_EQ(served.json("/api/scene")["parts"], Json::parse(R"([{"object": 0, "name": "cap"},
+    {"object": 0, "name": "rest"}, {"object": 1, "name": "cap"}, {"object": 1, "name": "rest"}])"));
+  served.json("/api/repair/start?parts=4", 404);
   served.json("/api/repair/start?parts=a", 400);
   served.json("/api/repair/start?fixed=1&parts=0,1");
   EXPECT_THAT(ended(served)["error"].get<std::string>(), HasSubstr("nothing that may move"));
-  served.json("/api/repair/start?fixed=1&parts=0");
+  served.json("/api/repair/start?parts=0");
   const Json done = ended(served);
   ASSERT_EQ(done["verdict"]["kind"], "free") << done;
-  const auto before = served.numbers<float>("/api/objects/0/frames/2");
-  const auto after = served.numbers<float>("/api/objects/0/repaired/2");
-  ASSERT_EQ(before.size(), after.size());
-  const auto [first, second] = std::ranges::mismatch(before, after);
-  EXPECT_NE(first, before.end());
-  EXPECT_GE(first - before.begin(), std::ptrdiff_t{3 * kInCap});
+  const auto first = moved_vertices(served, 0), second = moved_vertices(served, 1);
+  ASSERT_FALSE(first.empty() || second.empty());
+  EXPECT_GE(first.front(), kInCap);
+  EXPECT_LT(second.front(), kInCap);
+}
+
+TEST(PageRepair, VerticesMayNotMove) {
+  Served served(page_of(balls()));
+  EXPECT_THAT(served.json("/api/repair/start?vertices=0:1-a", 400)["error"].get<std::string>(),
+              HasSubstr("'vertices' are no vertices of an object: 0:1-a"));
+  for (const char* wrong :
+       {"2:0", "0:208", "0:0-208", "0:5-4", "0:1-2-3", "0:", "0", ":", "0:0-207,0", "0:1;"})
+    served.json(std::string("/api/repair/start?vertices=") + wrong, 400);
+  EXPECT_EQ(served.json("/api/repair")["state"], "idle");
+  served.json("/api/repair/start?vertices=0:0-207;1:0-150,151-207");
+  EXPECT_THAT(ended(served)["error"].get<std::string>(), HasSubstr("nothing that may move"));
+  served.json("/api/repair/start?vertices=0:7,0-6,8-95;1:112-207");
+  const Json done = ended(served);
+  ASSERT_EQ(done["verdict"]["kind"], "free") << done;
+  const auto first = moved_vertices(served, 0), second = moved_vertices(served, 1);
+  ASSERT_FALSE(first.empty() || second.empty());
+  EXPECT_GE(first.front(), 96u);
+  EXPECT_LT(second.back(), 112u);
+}
+
+// A URL does not hold so many.
+TEST(PageRepair, TakesItsParametersFromABody) {
+  Served served(page_of(balls()));
+  std::string vertices = "vertices=0:0-207;1:0";
+  for (Index v = 2; v < 104; v += 2) vertices += "," + std::to_string(v);
+  const std::string long_enough = vertices + "&unknown=" + std::string(100'000, 'x');
+  const auto started = served.client().Post("/api/repair/start", long_enough, "text/plain");
+  ASSERT_TRUE(started && started->status == 200) << started->status;
+  const Json done = ended(served);
+  ASSERT_EQ(done["state"], "done") << done;
+  EXPECT_TRUE(moved_vertices(served, 0).empty());
+  const auto moved = moved_vertices(served, 1);
+  ASSERT_FALSE(moved.empty());
+  for (const Index v : moved) EXPECT_TRUE(v >= 104 || v % 2 == 1) << v;
+  const auto wrong = served.client().Post("/api/repair/start", "fixed=a", "text/plain");
+  EXPECT_EQ(wrong->status, 400);
+  httplib::Headers foreign{{"Host", "evil.example"}};
+  EXPECT_EQ(served.client().Post("/api/repair/start", foreign, "", "text/plain")->status, 403);
+}
+
+TEST(PageRepair, OffersTheFilesOfWhatWasMoved) {
+  auto motions = balls();
+  std::vector<std::vector<double>> far(5, sphere_at(20));
+  motions.push_back(memory_motion("far", Topology(motions[0]->topology()), std::move(far)));
+  Served served(page_of(std::move(motions)));
+  served.json("/api/repair/start");
+  const Json files = ended(served)["files"];
+  ASSERT_EQ(files.size(), 2) << files;
+  EXPECT_EQ(files[0]["object"], 0);
+  EXPECT_EQ(files[1]["object"], 1);
 }
 
 TEST(PageRepair, SaysWhatCannotBe) {

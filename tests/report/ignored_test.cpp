@@ -66,6 +66,22 @@ TEST(Ignore, ObjectsAndPartsByName) {
   EXPECT_TRUE(check(one, {{"tip", "floor"}}, poses)->clean());
 }
 
+TEST(Ignore, APartOfOneObjectIsNamedWithIt) {
+  const ObjectParts parts{{"floor", "tip"}, {0, 1}};
+  const auto two = list(named(sinking_triangle(kSinking), "a/left.npz", parts),
+                        named(lone_floor(5), "a/right.npz", {{"floor"}, {0}}));
+  const auto all = check(two, {})->collisions.sum();
+  ASSERT_EQ(all, 6u);  // the tip sinks into both floors
+  for (const char* left : {"a/left.npz:floor", "left.npz:floor", "left:floor"})
+    EXPECT_EQ(check(two, {{left, "tip"}})->collisions.sum(), 3u);
+  EXPECT_EQ(check(two, {{"right:floor", "left:tip"}})->collisions.sum(), 3u);
+  EXPECT_TRUE(check(two, {{"floor", "tip"}})->clean());
+  EXPECT_THAT(check(two, {{"right:tip", "tip"}}).error().line(), HasSubstr("'right:tip': is neither"));
+  const auto alike = list(named(sinking_triangle(kSinking), "a/left.npz", parts),
+                          named(sinking_triangle(kSinking), "b/left.npz", parts));
+  EXPECT_THAT(check(alike, {{"left:tip", "floor"}}).error().line(), HasSubstr("is a part of 2 objects"));
+}
+
 TEST(Ignore, UnknownNamesListNearOnes) {
   const auto motions = list(named(sinking_triangle(kSinking), "a/scene.npz", {{"floor", "tip"}, {0, 1}}),
                             named(lone_floor(5), "b/scene.npz"));

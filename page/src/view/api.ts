@@ -34,7 +34,7 @@ export interface SceneInfo {
   steps: number;
   assumed: string; // what files were taken for, to follow what was checked in the verdict
   objects: ObjectInfo[];
-  parts: string[]; // names of all objects' parts, each once
+  parts: { object: number; name: string }[]; // of all objects
   center: number[]; // positions of vertices are relative to it
   low: number[];
   high: number[];
@@ -97,7 +97,14 @@ export class GoneError extends Error {}
 /** Answers a request for the data of the scene. */
 export type Source = (path: string, signal?: AbortSignal) => Promise<Response>;
 
-let source: Source = (path, signal) => fetch(`/api/${path}`, signal ? { signal } : {});
+const kLongestAddress = 4000;
+
+// Parameters that are too long for an address stand in the body.
+let source: Source = (path, signal) => {
+  if (path.length <= kLongestAddress) return fetch(`/api/${path}`, signal ? { signal } : {});
+  const [start, parameters] = path.split('?') as [string, string];
+  return fetch(`/api/${start}`, { method: 'POST', body: parameters });
+};
 
 /** Where the data comes from, if not from the program that serves the page. */
 export function useSource(other: Source): void {

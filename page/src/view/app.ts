@@ -23,7 +23,9 @@ import { LayerPanel } from './layers';
 import { Layout, type Tab } from './layout';
 import { legendItems } from './legend';
 import { Navigator, type Parts } from './navigator';
-import { kindShown, RepairPanel } from './repair';
+import { Brush, Painting } from './painting';
+import { RepairPanel } from './repair';
+import { Repaired } from './repaired';
 import { ShapePanel } from './shapes';
 import { Stage } from './stage';
 import { Timeline } from './timeline';
@@ -47,7 +49,9 @@ export class App {
   private readonly timeline: Timeline;
   private readonly hover: HoverCard;
   private readonly collisions: CollisionPanel;
+  private readonly painting: Painting;
   private readonly repair: RepairPanel;
+  private readonly repaired: Repaired;
   private readonly cards: ContactPanel;
   private readonly charts: Charts;
   private readonly stage: Stage;
@@ -102,7 +106,9 @@ export class App {
       collision: (direction) => this.navigator.nextCollision(direction),
     });
     this.collisions = new CollisionPanel(scene, this.check, (pair) => this.navigator.choose(pair), (direction) => this.navigator.nextCollision(direction), () => this.navigator.goTo(() => this.clock.seek(0)));
-    this.repair = new RepairPanel(scene, { changed: () => this.repairChanged(), show: (after) => this.showRepaired(after), failed });
+    this.painting = new Painting(scene);
+    this.painting.onChange(changed);
+    this.repair = new RepairPanel(scene, this.contacts, this.painting, { changed: () => this.repaired.changed(), show: (after) => this.repaired.show(after), goTo: (contact) => this.repaired.goTo(contact), redraw: changed, failed });
     this.cards = new ContactPanel(scene, this.check, this.contacts, (index) => void this.navigator.chooseContact(index), this.repair);
     this.charts = this.makeCharts();
     this.layout = new Layout(root, scene, () => this.timeline.element, this.tools());
@@ -112,6 +118,7 @@ export class App {
     this.stage = new Stage(this.layout.stage, scale, () => this.bounds(), () => this.poseBounds() ?? this.bounds());
     this.layout.stage.append(this.stage.gizmo.element);
     this.navigator = new Navigator(this.parts(), changed, failed);
+    this.repaired = new Repaired(this.repair, this.layers, this.data, this.navigator, this.parts(), changed);
     this.optionsChanged(true);
     if (this.link.at !== null) this.clock.seekPosition(this.link.at);
     if (this.link.camera) this.stage.camera.place(new THREE.Vector3(...(this.link.camera.slice(0, 3) as [number, number, number])), new THREE.Vector3(...(this.link.camera.slice(3) as [number, number, number])));
@@ -120,7 +127,7 @@ export class App {
 
   async start(): Promise<void> {
     this.fillPanels();
-    listen(keyActions({ ...this.parts(), navigator: this.navigator, layers: this.layers, options: this.options, help: this.help, beforeOrAfter: () => this.showRepaired(this.layers.state.source !== 'repaired') }));
+    listen(keyActions({ ...this.parts(), navigator: this.navigator, layers: this.layers, options: this.options, help: this.help, beforeOrAfter: () => this.repaired.show(!this.repaired.shown), leave: () => this.leave() }));
     this.check.startPolling();
     this.data.frames.prefetch(this.clock.frame);
     onTheme(() => this.restyle());
@@ -128,6 +135,7 @@ export class App {
     const triangles = await Promise.all(this.scene.objects.map((_, i) => getIndices(`objects/${i}/triangles`)));
     this.content = this.navigator.content = new Content(this.scene, this.stage, this.data, triangles);
     this.inspector = new Inspector(this.stage, this.content.surfaces, this.scene, this.layout.card, (point, size) => this.stage.camera.approach(point.multiplyScalar(this.stage.scale), 5 * size * this.stage.scale));
+    new Brush(this.stage, this.content.surfaces, this.painting);
     this.navigator.onDeselect = () => this.inspector?.close();
     this.beginAtContact();
     this.restyle();
@@ -197,6 +205,11 @@ export class App {
   }
 
   // --- Actions
+
+  private leave(): void {
+    if (this.painting.active) this.painting.change({ active: false });
+    else this.navigator.deselect();
+  }
 
   private frameName(): string {
     return `frame_${Number(this.clock.position.toFixed(2))}`;
@@ -294,20 +307,6 @@ export class App {
     const { check, contacts } = this;
     this.layout.say(check.verdict(), check.answer?.numbers ?? '', check.state === 'running' ? check.done / Math.max(1, check.total) : null);
     this.layout.lead(contacts.state === 'known' && contacts.total > 0, check.pairs > 0 || check.startsCrossing);
-  }
-
-  private repairChanged(): void {
-    const { repaired, version, corrections } = this.repair;
-    this.data.setRepaired(repaired);
-    this.content?.setRepair(version);
-    this.layers.offerRepaired(repaired);
-    this.track.setCorrections(corrections);
-    this.dirty = true;
-  }
-
-  private showRepaired(after: boolean): void {
-    if (after && !this.repair.repaired) return;
-    this.layers.setSource(after ? 'repaired' : 'motion');
   }
 
   private contactsKnown(): void {
@@ -420,13 +419,8 @@ export class App {
     this.stage.redraw();
   }
 
-  /** The repaired motion is shown: marks are of what was before. */
-  private get showsRepaired(): boolean {
-    return this.layers.state.source === 'repaired';
-  }
-
   private showFaces(content: Content, shaping: boolean): void {
-    const needed = !shaping && !this.showsRepaired && this.data.needsFaces(this.clock.step);
+    const needed = !shaping && !this.repaired.shown && this.data.needsFaces(this.clock.step);
     const slot = needed ? this.data.faces.get(this.clock.step) : undefined;
     if (needed && !slot && this.clock.playing) this.waiting = true;
     content.showFaces(this.clock.step, slot?.parts ?? null);
@@ -439,10 +433,10 @@ export class App {
     const colliding = step !== undefined && collisionsOf(step) > 0;
     if (this.atStart && !this.pairs.get(kStart)) this.pairs.request(kStart, false);
     else if (colliding && !this.pairs.get(clock.step)) this.pairs.request(clock.step, false);
-    const marked = !shaping && !this.showsRepaired;
+    const marked = !shaping && !this.repaired.shown; // marks are of what was before
     content.showPoints(colliding ? this.pairs.get(clock.step) : undefined, state.contacts && marked, clock);
     content.lines.group.visible = this.navigator.chosen !== null && marked;
-    if (!shaping) content.contact.mark(!this.showsRepaired);
+    if (!shaping) content.contact.mark(this.repaired.marked(content.contact.chosen));
     content.contact.show(this.navigator.contact !== null && marked, clock.position, this.navigator.contact === null ? 0 : this.navigator.worstPosition(this.navigator.contact));
     content.showKeysAndBoxes(state, clock, shaping);
   }
@@ -454,13 +448,9 @@ export class App {
     this.collisions.show(check.steps[clock.step], this.pairs.get(clock.step), this.atStart ? this.pairs.get(kStart) : undefined);
     if (this.layout.openTab === 'charts' && clock.frames > 1) this.showCharts();
     const { verdict } = this.layout;
-    this.repair.showSide(this.showsRepaired);
-    verdict.hidden = !shaping && !this.showsRepaired;
-    if (!shaping && this.showsRepaired) {
-      setText(verdict, `Repaired. ${this.repair.verdict?.text ?? ''}`);
-      verdict.dataset['kind'] = this.repair.verdict ? kindShown(this.repair.verdict) : '';
-    }
+    if (!shaping) this.repaired.say(verdict);
     if (shaping) {
+      verdict.hidden = false;
       const { text, kind } = this.shapes!.verdictText();
       setText(verdict, text);
       verdict.dataset['kind'] = kind;
@@ -487,12 +477,13 @@ export class App {
     const layers = this.layers.state;
     const error = (layers.paint === 'correction' ? content.corrections : content.errors).at(this.clock.frame);
     const end = this.clock.t >= 0.5;
-    const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error, this.repair.version]);
+    const remaining = this.repaired.shown && this.repaired.marked(null).length > 0;
+    const key = JSON.stringify([layers, end, check.free > 0, check.calm, shaping, content.shownFaces, boxFrame, this.navigator.chosen !== null, this.navigator.contact, error, this.repair.version, remaining]);
     if (key === this.legendKey) return;
     this.legendKey = key;
-    const contact = this.navigator.contact === null || this.showsRepaired ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
+    const contact = this.navigator.contact === null || this.repaired.shown ? null : this.contacts.sideNames(this.contacts.items[this.navigator.contact]!);
     this.layout.legend.replaceChildren(
-      ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error, repaired: this.repair.repaired }),
+      ...legendItems({ layers, poses: check.poses, shapes: shaping, end, free: check.free > 0, calm: check.calm, reasons: scene.reasons, objects: scene.objects.map(({ name }) => name), counts: content.counts, boxFrame, chosen: this.navigator.chosen !== null, contact, error, repaired: this.repair.repaired, remaining }),
     );
   }
 
@@ -537,6 +528,8 @@ export class App {
       facesShown: content?.shownFaces ?? -1,
       dark: isDark(),
       repaired: this.repair.repaired,
+      painted: this.painting.count,
+      left: this.repaired.marked(null).length,
       shape: this.layers.state.source,
     };
   }

@@ -13,7 +13,7 @@ const kCurveFrames = 0.26; // The curve is that of the worst frame, and shown on
 export class ContactView {
   readonly group = new THREE.Group();
   private contact: Contact | null = null;
-  private marked = true; // its sides are, as soon as there is one
+  private marked: Contact[] = []; // whose sides are colored
 
   constructor(
     private readonly stage: Stage,
@@ -28,10 +28,15 @@ export class ContactView {
     return new THREE.Vector3(...(point as [number, number, number])).sub(this.center).multiplyScalar(this.stage.scale);
   }
 
+  /** The one that is chosen. */
+  get chosen(): Contact | null {
+    return this.contact;
+  }
+
   set(contact: Contact | null): void {
     this.contact = contact;
     this.group.visible = false; // until it is shown where it is
-    this.setMarks(this.marked);
+    this.setMarks(contact ? [contact] : []);
     for (const line of this.group.children as LineSegments2[]) {
       line.geometry.dispose();
       line.material.dispose();
@@ -41,24 +46,26 @@ export class ContactView {
     this.stage.focus = null;
   }
 
-  /** Colors the two sides, or leaves them as they are. */
-  mark(visible: boolean): void {
-    if (visible !== this.marked) this.setMarks(visible);
+  /** Colors the two sides of these and no others. */
+  mark(contacts: Contact[]): void {
+    if (contacts.length !== this.marked.length || contacts.some((contact, k) => contact !== this.marked[k])) this.setMarks(contacts);
   }
 
-  private setMarks(visible: boolean): void {
-    this.marked = visible;
-    this.surfaces.forEach((surface, i) => surface.setContact(visible && this.contact ? this.marksOf(this.contact, i) : null));
+  private setMarks(contacts: Contact[]): void {
+    this.marked = contacts;
+    this.surfaces.forEach((surface, i) => surface.setContact(contacts.length > 0 ? this.marksOf(contacts, i) : null));
   }
 
   /** Per triangle: 1 and 2 the first side, crossing and inside; 3 and 4 the second. */
-  private marksOf({ sides }: Contact, object: number): Uint8Array {
+  private marksOf(contacts: Contact[], object: number): Uint8Array {
     const marks = new Uint8Array(this.surfaces[object]!.info.triangles);
-    sides.forEach((side, k) => {
-      if (side.object !== object) return;
-      for (const face of side.triangles ?? []) marks[face] = 1 + 2 * k;
-      for (const face of side.inside ?? []) marks[face] = 2 + 2 * k;
-    });
+    for (const { sides } of contacts) {
+      sides.forEach((side, k) => {
+        if (side.object !== object) return;
+        for (const face of side.triangles ?? []) marks[face] = 1 + 2 * k;
+        for (const face of side.inside ?? []) marks[face] = 2 + 2 * k;
+      });
+    }
     return marks;
   }
 

@@ -14,7 +14,7 @@ const keysOf = (poses: boolean, { step, collisions, orStart } = wordsOf(poses)):
   ['R or 0', 'see everything'],
   ['1 2 3 4 5 6', 'from the front, the right, the top, the back, the left, below'],
   ['Z', 'turns the upright axis: y or z'],
-  ['Esc', 'leaves the chosen contact, pair or triangle'],
+  ['Esc', 'leaves the brush, else the chosen contact, pair or triangle'],
   ['W A S D with Shift', 'orbit'],
   ['+ −', 'zoom'],
   ['V', 'next color of the surface'],

@@ -6,7 +6,7 @@ import { capital, isStatic, wordsOf, type Words } from '../shared/words';
 import type { SceneInfo } from './api';
 import { copyButton } from './copy';
 import type { Stage } from './stage';
-import type { Surface } from './surface';
+import { firstHit, type Surface } from './surface';
 
 const kStillPixels = 4; // A press that moves farther is a drag.
 
@@ -49,15 +49,8 @@ export class Inspector {
     this.render(null, -1);
   }
 
-  private pick(event: MouseEvent): { object: number; face: number; point: THREE.Vector3 } | null {
-    const ray = this.stage.ray(event.clientX, event.clientY);
-    let best: { object: number; face: number; point: THREE.Vector3; distance: number } | null = null;
-    this.surfaces.forEach((surface, object) => {
-      if (!surface.mesh.visible) return;
-      const hit = surface.hit(ray);
-      if (hit && (!best || hit.distance < best.distance)) best = { object, ...hit };
-    });
-    return best;
+  private pick(event: MouseEvent): ReturnType<typeof firstHit> {
+    return firstHit(this.surfaces, this.stage.ray(event.clientX, event.clientY));
   }
 
   /** Shows the data of the current step's triangles. */

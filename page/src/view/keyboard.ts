@@ -27,10 +27,11 @@ export interface Keyed extends Parts {
   options: ViewOptions;
   help: HTMLDialogElement;
   beforeOrAfter: () => void;
+  leave: () => void;
 }
 
 /** What each key does; help.ts lists them. */
-export function keyActions({ beforeOrAfter, clock, help, layers, layout, navigator, options, stage, timeline }: Keyed): KeyActions {
+export function keyActions({ beforeOrAfter, clock, help, layers, layout, leave, navigator, options, stage, timeline }: Keyed): KeyActions {
   const { camera } = stage;
   const step = (by: number) => () => navigator.goTo(() => clock.move(by));
   const time = (by: number) => () => navigator.goTo(() => clock.seekPosition(clock.position + by / clock.substeps));
@@ -42,7 +43,7 @@ export function keyActions({ beforeOrAfter, clock, help, layers, layout, navigat
     '[': () => timeline.changeSpeed(-1), ']': () => timeline.changeSpeed(1), g: () => timeline.typeFrame(),
     p: () => navigator.nextCollision(-1), n: () => navigator.nextCollision(1),
     ArrowUp: () => navigator.moveInList(-1), ArrowDown: () => navigator.moveInList(1),
-    r: () => navigator.showAll(), '0': () => navigator.showAll(), Escape: () => navigator.deselect(),
+    r: () => navigator.showAll(), '0': () => navigator.showAll(), Escape: leave,
     '1': () => camera.side('front'), '2': () => camera.side('right'), '3': () => camera.side('top'),
     '4': () => camera.side('back'), '5': () => camera.side('left'), '6': () => camera.side('bottom'),
     W: () => camera.orbit(0, 0.1), S: () => camera.orbit(0, -0.1), A: () => camera.orbit(-0.1, 0), D: () => camera.orbit(0.1, 0),

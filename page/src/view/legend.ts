@@ -46,6 +46,7 @@ export interface LegendState {
   contact: string[] | null; // the sides of the chosen contact
   error: { scale: number; largest: number; rms: number } | null; // or corrections, by the paint
   repaired: boolean; // there is a repaired motion
+  remaining: boolean; // what is shown of it touches
 }
 
 const swatch = (color: Rgb, className = ''): HTMLElement => el('span', { className: `swatch ${className}`, style: { background: css(color) } });
@@ -98,6 +99,7 @@ export function legendItems(state: LegendState): HTMLElement[] {
     items.push(scale(timeColor, 'Contact points, time of impact', ['0 start of step', '1 end']));
     items.push(el('li', { className: 'marks' }, 'Seen from near:', mark('diamond', 'first'), mark('square', 'last'), mark('later', 'still to come')));
   }
+  if (state.remaining) items.push(item(swatch(kRed), 'What still touches: one side'), item(swatch(kBlue), 'What still touches: the other side'));
   if (state.contact) items.push(...state.contact.map((name, k) => item(swatch(k === 0 ? kRed : kBlue), `${name}, inside; pale where it crosses`)), item(el('span', { className: 'swatch curve' }), 'Where the surfaces cross, in the worst frame'));
   if (state.chosen) items.push(item(swatch(kOrange), 'Chosen pair: vertex, first edge or triangle'), item(swatch(kBlue), 'Chosen pair: face, second edge or triangle'));
   if (layers.paint === 'level' || layers.paint === 'margin') items.push(...proofItems(state));

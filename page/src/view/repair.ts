@@ -1,12 +1,17 @@
-// Repair: what may move, how far it is, before and after, and saving.
+// Repair: what may move, how far it is, before and after, what remains, and saving.
+import { groupsOf, namesText, type Contact } from '../shared/contact';
 import { counted } from '../shared/format';
 import { el, setText } from '../shared/dom';
 import type { Answer } from '../shared/verdict';
 import { ApiError, getBlob, getJson, onRepairProgress, type SceneInfo } from './api';
-import { save } from './capture';
+import { nameOf, save } from './capture';
+import { framesText, type Contacts } from './contacts';
+import { paintTools } from './painttools';
+import type { Painting } from './painting';
 
 const kPollMs = 300;
 const kSearched = 12; // parts
+const kRemaining = 4; // that are listed
 
 interface RepairedFrame {
   time: number;
@@ -21,7 +26,9 @@ interface RepairAnswer {
   error: string;
   verdict?: Answer;
   frames?: RepairedFrame[];
-  files?: { object: number; name: string }[]; // empty where nothing was changed
+  files?: { object: number; name: string }[]; // of what was moved
+  remaining?: unknown[];
+  left?: unknown[]; // of those that were not chosen
 }
 
 /** How the verdict of a repair is colored: not at all where contacts were left on purpose. */
@@ -30,6 +37,8 @@ export const kindShown = ({ kind }: Answer): string => ({ free: 'inside', found:
 export interface RepairActions {
   changed: () => void; // there is a result, or there is none any more
   show: (after: boolean) => void;
+  goTo: (contact: Contact) => void; // one that remains
+  redraw: () => void;
   failed: (error: unknown) => void;
 }
 
@@ -43,6 +52,8 @@ export class RepairPanel {
   readonly element = el('section', { className: 'repair', hidden: true, 'aria-label': 'Repair' });
   /** Each repair has another. */
   version = 0;
+  /** What still touches after it, the worst first. */
+  remaining: Contact[] = [];
   private readonly open = el('button', { className: 'small', type: 'button' });
   private readonly choose = el('button', { className: 'small', type: 'button' });
   private readonly chosenOnly = el('p', { className: 'note' });
@@ -56,10 +67,13 @@ export class RepairPanel {
   private readonly said = el('p', { className: 'verdict', role: 'status' });
   private readonly sides: Record<'before' | 'after', HTMLButtonElement>;
   private readonly saving = el('div', { className: 'row' });
+  private readonly list = el('div', { className: 'remaining' });
   private answer: RepairAnswer | null = null;
 
   constructor(
     private readonly scene: SceneInfo,
+    private readonly contacts: Contacts,
+    private readonly painting: Painting,
     private readonly actions: RepairActions,
   ) {
     this.movable = scene.objects.map(() => el('input', { type: 'checkbox', checked: true }));
@@ -68,17 +82,17 @@ export class RepairPanel {
     this.name('Repair');
     this.open.addEventListener('click', () => this.begin(null));
     this.choose.addEventListener('click', () => this.showForm(true));
-    const line = (box: HTMLInputElement, name: string) => el('label', { className: 'line' }, box, el('span', { title: name }, name.replace(/^.*[\\/]/, '')));
     this.form.append(
       this.chosenOnly,
-      ...(this.asks ? [el('p', { className: 'note' }, 'Ticked objects may move; the others stay as they are.'), ...scene.objects.map(({ name }, i) => line(this.movable[i]!, name))] : []),
-      ...(scene.parts.length > 0 ? [this.partsList(line)] : []),
+      ...(this.asks ? [el('p', { className: 'note' }, 'Ticked objects may move; the others stay as they are.'), ...scene.objects.map(({ name }, i) => line(this.movable[i]!, fileOf(name)))] : []),
+      ...(scene.parts.length > 0 ? [this.partsList()] : []),
+      paintTools(painting),
       el('div', { className: 'row' }, button('Repair', () => void this.start()), button('Cancel', () => this.showForm(false))),
     );
     this.running.append(this.bar, button('Cancel', () => void this.ask('repair/cancel'), { hidden: !scene.cancels }));
     const side = (name: 'before' | 'after', text: string) => button(text, () => actions.show(name === 'after'), { title: 'F shows one or the other' });
     this.sides = { before: side('before', 'Before'), after: side('after', 'After') };
-    this.result.append(this.said, el('div', { className: 'row', role: 'group', 'aria-label': 'What is shown' }, this.sides.before, this.sides.after), this.saving);
+    this.result.append(this.said, el('div', { className: 'row', role: 'group', 'aria-label': 'What is shown' }, this.sides.before, this.sides.after), this.saving, this.list);
     this.element.append(el('div', { className: 'row' }, this.open, this.choose), this.form, this.running, this.result);
     this.showForm(false);
     onRepairProgress((share) => (this.bar.value = share));
@@ -117,12 +131,14 @@ export class RepairPanel {
     setText(this.open, this.asks ? `${text}…` : text);
   }
 
-  private partsList(line: (box: HTMLInputElement, name: string) => HTMLElement): HTMLElement {
-    const lines = this.scene.parts.map((name, i) => line(this.still[i]!, name));
+  private partsList(): HTMLElement {
+    const { objects, parts } = this.scene;
+    const several = new Set(parts.map(({ object }) => object)).size > 1;
+    const lines = parts.map(({ object, name }, i) => line(this.still[i]!, name, several ? fileOf(objects[object]!.name) : ''));
     const count = el('span', {});
     const counts = () => setText(count, this.still.some(({ checked }) => checked) ? ` (${this.still.filter(({ checked }) => checked).length})` : '');
     const search = el('input', { type: 'search', placeholder: 'Search', 'aria-label': 'Search parts', hidden: lines.length < kSearched });
-    search.addEventListener('input', () => lines.forEach((each, i) => (each.hidden = !this.scene.parts[i]!.toLowerCase().includes(search.value.toLowerCase()))));
+    search.addEventListener('input', () => lines.forEach((each) => (each.hidden = !each.textContent!.toLowerCase().includes(search.value.toLowerCase()))));
     const list = el('details', { className: 'parts', open: !this.asks }, el('summary', {}, 'Parts that stay as they are', count), search, el('div', { className: 'list' }, ...lines));
     list.addEventListener('change', counts);
     return list;
@@ -131,9 +147,12 @@ export class RepairPanel {
   private showForm(shown: boolean): void {
     this.form.hidden = !shown;
     this.open.hidden = shown;
-    this.choose.hidden = shown || this.asks || this.scene.parts.length === 0;
+    this.choose.hidden = shown || this.asks;
     const still = this.still.filter(({ checked }) => checked).length;
-    setText(this.choose, still > 0 ? `${counted(still, 'part')} ${still === 1 ? 'stays' : 'stay'}…` : 'What may move…');
+    const { count } = this.painting;
+    const stays = [still > 0 && counted(still, 'part'), count > 0 && counted(count, 'vertex', 'vertices')].filter(Boolean);
+    setText(this.choose, stays.length > 0 ? `${stays.join(' and ')} ${still + count === 1 ? 'stays' : 'stay'}…` : 'What may move…');
+    this.painting.change(shown ? { shown } : { shown, active: false });
     this.chosenOnly.hidden = this.only === null;
     setText(this.chosenOnly, this.only ? `Only this is repaired: ${this.only.title}. Other contacts stay.` : '');
   }
@@ -149,7 +168,7 @@ export class RepairPanel {
   private async start(): Promise<void> {
     const fixed = this.movable.flatMap(({ checked }, i) => (checked ? [] : [i]));
     const parts = this.still.flatMap(({ checked }, i) => (checked ? [i] : []));
-    await this.ask(`repair/start?fixed=${fixed.join()}&parts=${parts.join()}${this.only ? `&contact=${this.only.index}` : ''}`);
+    await this.ask(`repair/start?fixed=${fixed.join()}&parts=${parts.join()}&vertices=${this.painting.text()}${this.only ? `&contact=${this.only.index}` : ''}`);
   }
 
   /** Asks until the repair has ended. */
@@ -182,20 +201,44 @@ export class RepairPanel {
     setText(this.said, state === 'failed' ? answer.error : (answer.verdict?.text ?? ''));
     this.said.dataset['kind'] = answer.verdict ? kindShown(answer.verdict) : 'outside';
     for (const button of Object.values(this.sides)) button.hidden = !this.repaired;
-    this.saving.replaceChildren(...(this.repaired ? answer.files!.map(({ object, name }) => this.saveButton(object, name)) : []));
+    const moved = counted(this.corrections.filter((correction) => correction > 0).length, 'frame');
+    this.saving.replaceChildren(...(this.repaired ? answer.files! : []).map(({ object, name }) => this.saveButton(`Save ${name}`, `${moved} moved`, `objects/${object}/repaired/file`, name)));
+    if (state === 'done') this.saving.append(this.saveButton('Save report', 'What was done, as one HTML file', 'repair/report', nameOf(this.scene.title, '-repair.html')));
+    void this.listRemaining();
     if (this.repaired === had) return;
     ++this.version;
     this.actions.changed();
     this.actions.show(this.repaired);
   }
 
-  private saveButton(object: number, name: string): HTMLElement {
-    const moved = this.corrections.filter((correction) => correction > 0).length;
-    const button = el('button', { className: 'small', type: 'button', title: `${counted(moved, 'frame')} moved` }, `Save ${name}`);
+  /** What still touches, by the same two parts. */
+  private async listRemaining(): Promise<void> {
+    const { answer } = this;
+    this.remaining = [];
+    this.list.replaceChildren();
+    if (!this.repaired || (answer!.remaining!.length === 0 && answer!.left!.length === 0)) return;
+    let items: Contact[];
+    try {
+      ({ items } = await getJson<{ items: Contact[] }>('repair/contacts'));
+    } catch (error) {
+      return this.actions.failed(error);
+    }
+    if (this.answer !== answer) return; // Another repair began meanwhile.
+    this.remaining = items;
+    const worst = groupsOf(items).map(({ contacts }) => contacts[0]!);
+    const button = (contact: Contact) =>
+      el('button', { className: 'small', type: 'button', title: 'Go there', onclick: () => this.actions.goTo(contact) }, `${namesText(contact)}: ${this.contacts.sizeText(contact)}, ${framesText(contact)}`);
+    this.list.append(el('p', { className: 'note' }, 'What still touches, red and blue in After:'), ...worst.slice(0, kRemaining).map(button));
+    if (worst.length > kRemaining) this.list.append(el('p', { className: 'note' }, `And ${worst.length - kRemaining} more, in the report.`));
+    this.actions.redraw();
+  }
+
+  private saveButton(text: string, title: string, path: string, name: string): HTMLElement {
+    const button = el('button', { className: 'small', type: 'button', title }, text);
     button.addEventListener('click', async () => {
       button.disabled = true;
       try {
-        save(await getBlob(`objects/${object}/repaired/file`), name);
+        save(await getBlob(path), name);
       } catch (error) {
         this.actions.failed(error);
       }
@@ -204,3 +247,8 @@ export class RepairPanel {
     return button;
   }
 }
+
+const fileOf = (path: string): string => path.replace(/^.*[\\/]/, '');
+
+const line = (box: HTMLInputElement, name: string, owner = ''): HTMLElement =>
+  el('label', { className: 'line' }, box, el('span', { title: name }, name, owner !== '' && el('small', {}, ` ${owner}`)));

@@ -25,11 +25,11 @@ export const kSurfaceVertex = /* glsl */ `
 ${kFetch}
 in uint vertex;
 uniform sampler2D refA, refB, normalA, normalB;
-uniform usampler2D faces, contact;
+uniform usampler2D faces, contact, painted;
 uniform int triangles;
 uniform int surface;       // 0 plain, 1 level, 2 margin, 3 error
 uniform float order;        // in [0,1), another for each object
-uniform bool hasFaces, showInside, showMeets, showContact;
+uniform bool hasFaces, showInside, showMeets, showContact, showPainted;
 uniform uint insideBit;     // 2 at the step's begin, 4 at its end
 uniform float errorScale;
 uniform vec3 plain, red;
@@ -41,13 +41,14 @@ out vec3 place;              // in the scene
 out vec3 smoothNormal;
 out vec3 corner;
 out float distanceRatio;
+out float held;               // painted: 1 at such vertices, 0 at others
 flat out vec3 color;
 flat out int marked;         // 1 is inside now, 2 meets in the step
 flat out int part;           // of the chosen contact: 1 and 2 the first side, crossing and inside, 3 and 4 the second; 0 none
 
-uint faceMark(usampler2D marks, int face) {
+uint markOf(usampler2D marks, int k) {
   int width = textureSize(marks, 0).x;
-  return texelFetch(marks, ivec2(face % width, face / width), 0).r;
+  return texelFetch(marks, ivec2(k % width, k / width), 0).r;
 }
 uint faceData(int plane, int face) {
   int width = textureSize(faces, 0).x;
@@ -70,6 +71,7 @@ void main() {
   color = plain;
   marked = 0;
   distanceRatio = 0.0;
+  held = showPainted ? float(markOf(painted, v)) : 0.0;
   uint marks = hasFaces ? faceData(0, face) : 0u;
   if (showMeets && (marks & 1u) != 0u) marked = 2;
   if (showInside && (marks & insideBit) != 0u) marked = 1;
@@ -92,7 +94,7 @@ void main() {
     distanceRatio = length(p - other) / (scale * max(errorScale, 1e-30));
   }
   // The sides of the chosen contact, where they are inside now.
-  part = showContact && (!hasFaces || (marks & insideBit) != 0u) ? int(faceMark(contact, face)) : 0;
+  part = showContact && (!hasFaces || (marks & insideBit) != 0u) ? int(markOf(contact, face)) : 0;
   gl_Position = projectionMatrix * seen;
   // Where surfaces coincide, what is marked is seen, else always the same one; and nothing shines through itself.
   gl_Position.z -= ${kBiasText} * gl_Position.w * (marked != 0 || part != 0 ? 2.0 : order);
@@ -111,11 +113,12 @@ in vec3 place;
 in vec3 smoothNormal;
 in vec3 corner;
 in float distanceRatio;
+in float held;
 flat in vec3 color;
 flat in int marked;
 flat in int part;
 uniform int surface;
-uniform vec3 red, pink, first, second;
+uniform vec3 red, pink, first, second, paintedColor;
 uniform vec4 focus;          // the chosen contact: its place before the eye and its radius; radius 0: none
 uniform int nearSide;        // its side that is nearer to the eye, 1 or 2
 uniform vec4 clip;           // what is beyond this plane is cut away
@@ -158,6 +161,7 @@ void main() {
     int k = min(int(e), 7);
     base = mix(errorRamp[k], errorRamp[k + 1], e - float(k));
   }
+  base = mix(base, paintedColor, 0.85 * smoothstep(0.35, 0.65, held));
   // Over meaningful colors, marks are striped to distinguish them.
   if (marked != 0) base = surface == 0 || stripe ? (marked == 1 ? red : pink) : vec3(1.0);
   if (part != 0) base = part < 3 ? first : second;

@@ -70,6 +70,13 @@ export class Stage {
     return new THREE.Ray(origin.clone().divideScalar(this.scale), direction.clone());
   }
 
+  /** The size of a pixel at a point; both in mesh units, the point from the scene's center. */
+  pixelAt(point: THREE.Vector3): number {
+    const { eye } = this.camera;
+    const depth = -point.clone().multiplyScalar(this.scale).applyMatrix4(eye.matrixWorldInverse).z;
+    return (2 * depth * Math.tan(THREE.MathUtils.degToRad(eye.fov / 2))) / (this.canvas.clientHeight * this.scale);
+  }
+
   /** Draws if something has changed; true if it did. */
   draw(now: number): boolean {
     if (this.camera.update(now)) this.dirty = true;

@@ -1,6 +1,6 @@
 // One object's surface. Positions and data of triangles are in textures, see shaders.ts.
 import * as THREE from 'three';
-import { errorColor, kBlue, kClay, kGray, kNothingToProve, kObjectColors, kPink, kReasons, kRed, marginColor, type Rgb } from '../shared/colors';
+import { errorColor, kBlue, kClay, kGray, kNothingToProve, kObjectColors, kPink, kReasons, kRed, kYellow, marginColor, type Rgb } from '../shared/colors';
 import type { ObjectInfo } from './api';
 import { vertexNormals } from './normals';
 import { kSurfaceFragment, kSurfaceVertex } from './shaders';
@@ -21,7 +21,7 @@ function vectorTexture(data: Float32Array<ArrayBuffer>): THREE.DataTexture {
   return texture;
 }
 
-/** A small integer per triangle. */
+/** A small integer per triangle or vertex. */
 function markTexture(): THREE.DataTexture {
   const texture = new THREE.DataTexture(new Uint8Array(kRow), kRow, 1, THREE.RedIntegerFormat, THREE.UnsignedByteType);
   texture.needsUpdate = true; // An integer texture without an upload would be bound as another type.
@@ -31,7 +31,7 @@ function markTexture(): THREE.DataTexture {
 function setMarks(texture: THREE.DataTexture, marks: Uint8Array): void {
   const padded = new Uint8Array(Math.ceil(marks.length / kRow) * kRow);
   padded.set(marks);
-  texture.dispose();
+  if (texture.image.height !== padded.length / kRow) texture.dispose();
   texture.image = { data: padded, width: kRow, height: padded.length / kRow };
   texture.needsUpdate = true;
 }
@@ -108,6 +108,7 @@ export class Surface {
   private readonly faces: THREE.DataTexture;
   private faceSource: Uint8Array<ArrayBuffer> | null = null;
   private readonly contactTexture = markTexture();
+  private readonly paintedTexture = markTexture();
 
   constructor(
     readonly info: ObjectInfo,
@@ -139,6 +140,9 @@ export class Surface {
         refB: { value: this.shown.b.texture },
         contact: { value: this.contactTexture },
         showContact: { value: false },
+        painted: { value: this.paintedTexture },
+        showPainted: { value: false },
+        paintedColor: { value: vec3(kYellow) },
         first: { value: vec3(kRed) },
         second: { value: vec3(kBlue) },
         faces: { value: this.faces },
@@ -248,6 +252,12 @@ export class Surface {
     if (marks) setMarks(this.contactTexture, marks);
   }
 
+  /** Sets which vertices are painted; null: none are shown. */
+  setPainted(mask: Uint8Array | null): void {
+    this.set('showPainted', mask !== null);
+    if (mask) setMarks(this.paintedTexture, mask);
+  }
+
   paint(options: { paint: Paint; collisions: boolean; meets: boolean; edges: boolean; seeThrough: boolean; errorScale: number; edgeColor: Rgb }): void {
     this.set('surface', kPaints.indexOf(options.paint === 'correction' ? 'error' : options.paint));
     this.set('showInside', options.collisions);
@@ -294,4 +304,15 @@ export class Surface {
     }
     return best;
   }
+}
+
+/** The first triangle of those shown that a ray in mesh units hits. */
+export function firstHit(surfaces: Surface[], ray: THREE.Ray): { object: number; face: number; point: THREE.Vector3 } | null {
+  let best: { object: number; face: number; point: THREE.Vector3; distance: number } | null = null;
+  surfaces.forEach((surface, object) => {
+    if (!surface.mesh.visible) return;
+    const hit = surface.hit(ray);
+    if (hit && (!best || hit.distance < best.distance)) best = { object, ...hit };
+  });
+  return best;
 }
