@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "system/program.h"
 
@@ -17,7 +18,9 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool enabled) : enabled_(enabled && system::is_terminal(stderr)) {
+ProgressBar::ProgressBar(bool enabled)
+    : lines_(!system::is_terminal(stderr)),
+      enabled_(enabled && (!lines_ || std::getenv("FOLDPROOF_PROGRESS") != nullptr)) {
   if (enabled_) thread_ = system::thread_without_signals([this] { run(); });
 }
 
@@ -66,14 +69,16 @@ void ProgressBar::draw(Clock::time_point now) {
   constexpr int kWidth = 30;
   last_ = now;
   const double spent = std::chrono::duration<double>(now - begin_).count();
-  std::string line = "\r\x1b[K";
+  std::string line = lines_ ? "" : "\r\x1b[K";
   if (part_ > 0) {
     const int filled = static_cast<int>(part_ * kWidth);
-    line += fmt::format("[{:#<{}}{:.<{}}] {}", "", filled, "", kWidth - filled, text_);
+    line += lines_ ? fmt::format("{:.0f}% {}", std::floor(100 * part_), text_)
+                   : fmt::format("[{:#<{}}{:.<{}}] {}", "", filled, "", kWidth - filled, text_);
     if (part_ < 1) line += fmt::format(", {} left", clock_text(spent / part_ - spent));
   } else {
     line += fmt::format("{}, {}", text_, clock_text(spent));
   }
+  if (lines_) line += '\n';
   std::fwrite(line.data(), 1, line.size(), stderr);
   shown_ = true;
 }
@@ -81,7 +86,7 @@ void ProgressBar::draw(Clock::time_point now) {
 void ProgressBar::clear() {
   if (!enabled_) return;
   const std::lock_guard lock(mutex_);
-  if (shown_) std::fputs("\r\x1b[K", stderr);
+  if (shown_ && !lines_) std::fputs("\r\x1b[K", stderr);
   shown_ = active_ = false;
 }
 

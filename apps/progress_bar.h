@@ -10,7 +10,8 @@
 namespace foldproof {
 
 /// A line on standard error: a bar with the remaining time where the share of the work that is done is known,
-/// else for how long it has been going on. Silent if standard error is not a terminal. A thread of its own
+/// else for how long it has been going on. If standard error is not a terminal, it is silent, or with
+/// FOLDPROOF_PROGRESS in the environment writes lines such as "37% repairing, 0:20 left". A thread of its own
 /// draws, so the line goes on where the work gives no sign of life. Nothing appears in the first half second.
 class ProgressBar {
  public:
@@ -34,7 +35,7 @@ class ProgressBar {
   void run();
   void draw(Clock::time_point now);
 
-  bool enabled_;
+  bool lines_, enabled_;
   std::mutex mutex_;  // of all below
   std::condition_variable wake_;
   bool ends_ = false, active_ = false, shown_ = false;

@@ -33,7 +33,7 @@ Examples:
 struct RepairArguments : StepArguments {
   std::vector<std::string> outputs, fixed, only, start;
   std::vector<std::pair<std::string, std::string>> contacts;
-  std::string json, page, command;
+  std::string json, page, command, unit;
   double falloff = 0;
   Index in_betweens = 0;
   bool quick = false, keep = false, quiet = false, all_contacts = false;
@@ -127,6 +127,7 @@ Error by_options(Error error, const RepairArguments& a) {
 
 Result<int> run_repair(const RepairArguments& a) {
   auto settings = FOLDPROOF_TRY(step_settings(a));
+  settings.unit = a.unit;
   FOLDPROOF_TRY(require_number("--falloff", a.falloff, true));
   FOLDPROOF_TRY(a.files.check());
   std::vector<PageFile> files;
@@ -191,6 +192,7 @@ void add_output_options(const Subcommand& command, RepairArguments& a) {
   command.add_flag("--keep", a.keep, "After Ctrl-C, write the frames that are finished");
   command.add_flag("--contacts", a.all_contacts,
                    fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts));
+  command.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]");
   command.add_flag("-q,--quiet", a.quiet, "Print nothing but errors");
 }
 

@@ -1,4 +1,5 @@
 // Readers of formats whose libraries are not part of the WebAssembly build.
+#include <algorithm>
 #include <filesystem>
 
 #include "base/try.h"
@@ -21,7 +22,8 @@ Result<std::unique_ptr<Motion>> open_pvd(const std::string& path, const ReadProg
 }
 
 // The page has unpacked the archive into a directory beside it.
-Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress&) {
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadOptions& options,
+                                         const ReadProgress&) {
   const std::string directory = path + ".arrays";
   std::vector<std::string> members;
   std::error_code ignored;  // without the directory, the arrays are reported missing
@@ -37,7 +39,11 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProg
   auto vertices = FOLDPROOF_TRY(open_vertices(path, names, open));
   auto motion = std::make_unique<ArrayMotion>(path, std::move(vertices), nullptr);
   FOLDPROOF_TRY(motion->open(*faces));
-  return motion;
+  if (options.weld != Weld::ByFormat || std::ranges::find(members, "merged.npy") == members.end())
+    return motion;
+  const auto merged = FOLDPROOF_TRY(open("merged"));
+  auto map = FOLDPROOF_TRY(read_merged(*merged, motion->topology().vertex_count()));
+  return merge(std::move(motion), std::move(map), "its array 'merged'", "check with --no-weld");
 }
 
 }  // namespace foldproof::io

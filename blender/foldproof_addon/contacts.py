@@ -3,10 +3,12 @@
 import math
 
 import bpy
+import mathutils
 import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from . import marks, motion
+from .problem import Problem
 
 PREFIX = marks.PREFIX
 
@@ -18,6 +20,11 @@ class FoldproofContact(bpy.types.PropertyGroup):
     """What two parts do, once or several times. Its name is that of both. Times are frames of the scene, with fractions
     between them; depth, place and the worst frame are those of the worst time."""
 
+    object_a: StringProperty()
+    part_a: StringProperty()  # the vertex group; empty: the object has no parts
+    object_b: StringProperty()
+    part_b: StringProperty()
+    named: BoolProperty()  # else there may be several of the same object with itself
     first: FloatProperty()
     last: FloatProperty()
     worst: FloatProperty()
@@ -29,18 +36,27 @@ class FoldproofContact(bpy.types.PropertyGroup):
     at_least: BoolProperty()  # it is a lower bound
     curve_length: FloatProperty()
     point: FloatVectorProperty(size=3)
+    normal: FloatVectorProperty(size=3)  # the direction out
     size: FloatProperty()  # of its box
+    gone: BoolProperty()  # a repair took it out, in copies of its objects
 
     def frames(self):
         return f"{self.first:.4g}" if self.first == self.last else f"{self.first:.4g}-{self.last:.4g}"
 
+    def size_text(self, units):
+        length = self.depth if self.has_depth else self.curve_length
+        return bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=2)
+
     def how_bad(self, units):
         if not self.crosses:
             return "touches, may cross" if self.may_cross else "touches"
-        length = self.depth if self.has_depth else self.curve_length
-        text = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=2)
-        text = f"{text} {'deep' if self.has_depth else 'long'}"
+        text = f"{self.size_text(units)} {'deep' if self.has_depth else 'long'}"
         return f"at least {text}" if self.at_least else text
+
+    def in_words(self, units):
+        often = f", {self.often}" if self.often else ""
+        where = "frame" if self.first == self.last else "frames"
+        return f"{self.name}: {where} {self.frames()}{often}, {self.how_bad(units)}{', gone after repair' if self.gone else ''}"
 
 
 def store(scene, sampled, found, unknown_frames, times):
@@ -67,6 +83,8 @@ def _worst_time(contact):
 def _describe(made, sampled, group, unknown_frames, frame):
     worst = group[0]
     made.name = _name_of(worst, sampled)
+    (made.object_a, made.part_a), (made.object_b, made.part_b) = (_side(sampled[s["object"]], s["name"]) for s in worst["sides"])
+    made.named = worst["named"]
     ends = []
     for contact in group:
         ends += [f["time"] for f in contact["frames"]] or [contact["first_time"], contact["last_time"]]
@@ -78,8 +96,54 @@ def _describe(made, sampled, group, unknown_frames, frame):
     made.depth = worst["depth"] or 0
     made.at_least = worst["at_least"]
     made.curve_length = max((f["curve_length"] for f in worst["frames"]), default=0)
-    made.point = worst["point"]
+    made.point, made.normal = worst["point"], worst["normal"]
     made.size = float(np.ptp(worst["box"], axis=0).max())
+
+
+def _side(each, name):
+    """The names of the object and the vertex group, empty if it has no parts."""
+    return each.object.name, next((part for part, written in each.part_names.items() if written == name), "")
+
+
+def _is_or_copies(scene_object, name):
+    while scene_object and scene_object.name != name:
+        scene_object = scene_object.foldproof_original
+    return bool(scene_object)
+
+
+def note_gone(scene, sampled, still):
+    """Notes which contacts of the list are gone. `still`: those that are not, as in the report of a repair."""
+    pairs = []
+    for contact in still:
+        sides = [(sampled[side["object"]], side["name"]) for side in contact["sides"]]
+        pairs.append({name if each.part_names else str(each.path) for each, name in sides})
+    for contact in scene.foldproof.contacts:
+        try:
+            contact.gone = set(names_in_files(contact, sampled)) not in pairs
+        except Problem:
+            pass  # of other objects
+
+
+def names_in_files(contact, sampled):
+    """The two names that the program knows the sides of a contact by."""
+    names = []
+    for scene_object, part in ((contact.object_a, contact.part_a), (contact.object_b, contact.part_b)):
+        each = next((each for each in sampled if _is_or_copies(each.object, scene_object)), None)
+        if each is None:
+            raise Problem(f"{scene_object} is not selected: select it, or check what is selected")
+        if part and part not in each.part_names:
+            raise Problem(f"{scene_object} has no faces of {part} any more: check again")
+        names.append(each.part_names[part] if part else str(each.path))
+    return names
+
+
+def are_several(settings):
+    """Whether the program repairs more contacts than the active one by its names: those of an object without parts with
+    itself."""
+    if not 0 <= settings.contact < len(settings.contacts):
+        return False
+    active = settings.contacts[settings.contact]
+    return not active.named and sum(each.name == active.name for each in settings.contacts) > 1
 
 
 def _name_of(contact, sampled):
@@ -130,7 +194,7 @@ def clear(scene):
 
 
 def show(settings, context):
-    """Goes to the worst frame of the active contact, and aims the 3D views at it."""
+    """Goes to the worst frame of the active contact, and aims the 3D views at it, with marks in color."""
     if not 0 <= settings.contact < len(settings.contacts):
         return
     contact = settings.contacts[settings.contact]
@@ -138,10 +202,15 @@ def show(settings, context):
     for area in context.screen.areas if context.screen else ():
         if area.type == "VIEW_3D":
             aim(area.spaces.active.region_3d, contact)
+            marks.color(area.spaces.active.shading, True)
 
 
 def aim(view, contact):
     if view.view_perspective == "CAMERA":
         view.view_perspective = "PERSP"
+    out = mathutils.Vector(contact.normal)
+    to_viewer = mathutils.Quaternion(view.view_rotation) @ mathutils.Vector((0, 0, 1))
+    if out.dot(to_viewer) < 0.5:  # it is seen from behind, or from the side
+        view.view_rotation = out.to_track_quat("Z", "Y")
     view.view_location = contact.point
     view.view_distance = max(3 * contact.size, 1e-3)

@@ -1,14 +1,16 @@
 """Settings, buttons and the panel in the sidebar."""
 
+import re
 import time
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from . import contacts, jobs, marks, program
+from . import contacts, jobs, marks, program, repaired
 from .compatibility import blend_path_options
 from .problem import Problem
 
+REDRAW = 0.2  # seconds of reading frames between two redraws, which may take longer than a frame
 _running = None  # the status text of the running job
 
 
@@ -47,7 +49,7 @@ class FoldproofSettings(bpy.types.PropertyGroup):
         name="Thickness", description="Anything closer than this counts as a collision", min=0, unit="LENGTH", precision=4
     )
     samples: IntProperty(
-        name="Parts per Frame",
+        name="Substeps",
         description="Poses sampled per frame; between them vertices move along straight lines",
         default=1,
         min=1,
@@ -113,7 +115,10 @@ class Job:
         if event.type != "TIMER":
             return {"RUNNING_MODAL"} if self.needs_scene else {"PASS_THROUGH"}
         try:
+            begin = time.monotonic()
             progress = next(self.steps)
+            while progress.needs_scene and time.monotonic() - begin < REDRAW:
+                progress = next(self.steps)
         except StopIteration as done:
             return self.end(context, "INFO", done.value)
         except Problem as problem:
@@ -172,10 +177,49 @@ class FOLDPROOF_OT_repair(Job, bpy.types.Operator):
     """Make copies of the selected meshes that touch nothing over the frame range, near what they were"""
 
     bl_idname = "foldproof.repair"
-    bl_label = "Repair"
+    bl_label = "Repair All"
 
     def start(self, context, executable):
         return jobs.repair(context, executable)
+
+
+class FOLDPROOF_OT_repair_contact(Job, bpy.types.Operator):
+    """Make copies of the selected meshes in which this contact is gone over the frame range, and all others are left"""
+
+    bl_idname = "foldproof.repair_contact"
+    bl_label = "Repair Only This"
+
+    @classmethod
+    def poll(cls, context):
+        settings = context.scene.foldproof
+        if not 0 <= settings.contact < len(settings.contacts):
+            cls.poll_message_set("Choose a contact in the list first")
+            return False
+        if settings.contacts[settings.contact].gone:
+            cls.poll_message_set("It is gone; check again to see what the copies do")
+            return False
+        return super().poll(context)
+
+    def start(self, context, executable):
+        settings = context.scene.foldproof
+        return jobs.repair(context, executable, settings.contacts[settings.contact])
+
+
+class FOLDPROOF_OT_before_after(bpy.types.Operator):
+    """Show the originals of all repaired copies in their place, or the copies again"""
+
+    bl_idname = "foldproof.before_after"
+    bl_label = "Before or After Repair"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _running is None and context.mode == "OBJECT" and bool(repaired.copies_of(context.view_layer))
+
+    def execute(self, context):
+        copies = repaired.copies_of(context.view_layer)
+        repaired.show(context, copies, not any(each.visible_get() for each in copies))
+        return {"FINISHED"}
 
 
 class FOLDPROOF_OT_train(Job, bpy.types.Operator):
@@ -228,15 +272,18 @@ class FOLDPROOF_OT_clear(bpy.types.Operator):
                 marks.clear(mesh)
         contacts.clear(context.scene)
         context.scene.foldproof.message = ""
+        for area in context.screen.areas if context.screen else ():
+            if area.type == "VIEW_3D":
+                marks.color(area.spaces.active.shading, False)
         return {"FINISHED"}
 
 
 class FOLDPROOF_UL_contacts(bpy.types.UIList):
     def draw_item(self, context, layout, _data, contact, _icon, _active_data, _active_property, _index=0, _flag=0):
-        row = layout.split(factor=0.5)
+        row = layout.split(factor=0.7)
         row.label(text=contact.name)
-        row.label(text=contact.often or contact.frames())
-        row.label(text=contact.how_bad(context.scene.unit_settings))
+        size = contact.size_text(context.scene.unit_settings) if contact.crosses else "touches"
+        row.label(text="gone" if contact.gone else size)
 
 
 class FOLDPROOF_PT_panel(bpy.types.Panel):
@@ -248,7 +295,8 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.foldproof
         layout.use_property_split = True
-        layout.prop(settings, "kind")
+        layout.use_property_decorate = False
+        layout.prop(settings, "kind", text="")
         layout.prop(settings, "pairs")
         layout.prop(settings, "ignore_a")
         layout.prop(settings, "ignore_b")
@@ -261,22 +309,32 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         except Problem as problem:
             wrapped(layout, str(problem), "ERROR", context)
         if _running is not None:
-            wrapped(layout, f"{_running}; Esc cancels", "TIME", context)
+            wrapped(layout, f"{_running}. Esc cancels", "TIME", context)
         elif settings.message:
             wrapped(layout, settings.message, "INFO", context)
         if settings.contacts:
-            layout.template_list("FOLDPROOF_UL_contacts", "", settings, "contacts", settings, "contact", rows=4)
+            rows = min(max(len(settings.contacts), 2), 6)
+            layout.template_list("FOLDPROOF_UL_contacts", "", settings, "contacts", settings, "contact", rows=rows)
+            if 0 <= settings.contact < len(settings.contacts):
+                active = settings.contacts[settings.contact]
+                wrapped(layout, active.in_words(context.scene.unit_settings), "NONE", context)
+        column = layout.column()
+        column.label(text="May Not Move")
+        for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
+            column.prop(each, "foldproof_collider", text=each.name)
+        column = layout.column(align=True)
+        column.operator("foldproof.repair", icon="MODIFIER")
+        only = "Repair Only These" if contacts.are_several(settings) else "Repair Only This"
+        column.operator("foldproof.repair_contact", text=only, icon="MODIFIER")
+        if copies := repaired.copies_of(context.view_layer):
+            after = any(each.visible_get() for each in copies)
+            layout.operator("foldproof.before_after", text="Show Before" if after else "Show After", icon="HIDE_OFF")
+        layout.separator()
         row = layout.row(align=True)
         row.operator("screen.marker_jump", text="Previous", icon="PREV_KEYFRAME").next = False
         row.operator("screen.marker_jump", text="Next", icon="NEXT_KEYFRAME").next = True
         layout.operator("foldproof.select", icon="RESTRICT_SELECT_OFF")
         layout.operator("foldproof.clear", icon="TRASH")
-        layout.separator()
-        column = layout.column()
-        column.label(text="May Not Move")
-        for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
-            column.prop(each, "foldproof_collider", text=each.name)
-        layout.operator("foldproof.repair", icon="MODIFIER")
         layout.separator()
         layout.prop(settings, "use_models")
         layout.prop(settings, "folder")
@@ -288,13 +346,13 @@ def wrapped(layout, text, icon, context):
     width = context.region.width / (context.preferences.system.ui_scale or 1)  # 0 without a window
     letters = max(16, int((width - 70) / 6.5))  # beside the icon, the margins and the tabs
     lines = [""]
-    for word in text.split():
+    for word in re.findall(rf"\S{{1,{letters}}}", text):
         if len(lines[-1]) + len(word) > letters:
             lines.append("")
         lines[-1] += word + " "
     column = layout.column(align=True)
     for i, line in enumerate(lines):
-        column.label(text=line, icon=icon if i == 0 else "BLANK1")
+        column.label(text=line, icon=icon if i == 0 or icon == "NONE" else "BLANK1")
 
 
 _classes = (
@@ -303,6 +361,8 @@ _classes = (
     FoldproofSettings,
     FOLDPROOF_OT_check,
     FOLDPROOF_OT_repair,
+    FOLDPROOF_OT_repair_contact,
+    FOLDPROOF_OT_before_after,
     FOLDPROOF_OT_train,
     FOLDPROOF_OT_select,
     FOLDPROOF_OT_clear,
@@ -315,6 +375,7 @@ def register():
     for each in _classes:
         bpy.utils.register_class(each)
     bpy.types.Scene.foldproof = PointerProperty(type=FoldproofSettings)
+    bpy.types.Object.foldproof_original = PointerProperty(type=bpy.types.Object)
     bpy.types.Object.foldproof_collider = BoolProperty(
         name="May Not Move", description="Repair moves others away from this object, and leaves it as it is"
     )
@@ -322,6 +383,7 @@ def register():
 
 def unregister():
     del bpy.types.Object.foldproof_collider
+    del bpy.types.Object.foldproof_original
     del bpy.types.Scene.foldproof
     for each in reversed(_classes):
         bpy.utils.unregister_class(each)

@@ -14,6 +14,9 @@ from .compatibility import curves_of
 from .problem import Problem
 
 
+WITHOUT_MESH = {"CURVE", "CURVES", "FONT", "GPENCIL", "META", "POINTCLOUD", "SURFACE", "VOLUME"}  # shown, and not checked
+
+
 def meshes_to_check(context):
     """The selected mesh objects, sorted by name, so that the order of selection does not matter."""
     objects = sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name)
@@ -88,7 +91,7 @@ def check(context, executable):
         folder = pathlib.Path(name)
         sampled = yield from motion.sample(scene, objects, times, folder)
         answer = folder / "answer.json"
-        arguments = [executable, "check", *(each.path for each in sampled), "--quiet", "--pairs", "--json", str(answer)]
+        arguments = [executable, "check", *(each.path for each in sampled), "--pairs", "--json", str(answer)]
         for model in models:
             arguments += ["--model", model]
         if poses:
@@ -98,7 +101,7 @@ def check(context, executable):
         if settings.pairs != "ALL":
             arguments.append("--within" if settings.pairs == "WITHIN" else "--between")
         arguments += _ignored_paths(ignored, sampled) + _unit(scene)
-        yield from program.run(arguments, folder, "Looking for collisions", 0.9)
+        yield from _run(sampled, arguments, folder, "Looking for collisions")
         found = program.read_answer(answer, sampled)
     for each in sampled:
         each.expect_unedited()
@@ -116,10 +119,23 @@ def _unit(scene):
     return ["--unit", name] if units.system == "METRIC" and name else []
 
 
+def _run(sampled, arguments, folder, text):
+    """Runs the program; its errors name objects and settings as Blender does."""
+    try:
+        yield from program.run(arguments, folder, text)
+    except Problem as problem:
+        said = str(problem).removeprefix("foldproof: ")
+        raise Problem(_with_names(re.sub("^--thickness", "Thickness", said), sampled)) from None
+
+
 def _sentence(parts, sampled, times):
     """The program's verdict with the scene's frames and the objects' names."""
     frame = lambda pose: f"{np.interp(pose, range(len(times)), times):.4g}"
     text = "".join(part if isinstance(part, str) else frame(part) for part in parts).removesuffix(".")
+    return _with_names(text, sampled)
+
+
+def _with_names(text, sampled):
     names = motion.display_names(sampled)
     longest_first = sorted(map(re.escape, names), key=len, reverse=True)
     # All at once: the name of one object may be that of another's file.
@@ -157,15 +173,16 @@ def _left_out(context):
     if step > 1:
         ending = "th" if step // 10 % 10 == 1 else {1: "st", 2: "nd", 3: "rd"}.get(step % 10, "th")
         text = f"; only every {step}{ending} frame was checked"
-    others = sum(o.type != "MESH" for o in context.selected_objects)
+    others = sum(o.type in WITHOUT_MESH for o in context.selected_objects)
     if others:
         one = others == 1
         text += f"; {others:,} selected {'object that is no mesh was' if one else 'objects that are no meshes were'} not checked"
     return text
 
 
-def repair(context, executable):
-    """Makes copies of the selected meshes that touch nothing over the scene's frames. Colliders stay as they are."""
+def repair(context, executable, contact=None):
+    """Makes copies of the selected meshes that touch nothing over the scene's frames, or in which only a contact of the
+    list is gone. Colliders stay as they are, and so does what need not move."""
     scene, settings = context.scene, context.scene.foldproof
     objects, frames = meshes_to_check(context), frames_of(scene)
     movable = [each for each in objects if not each.foldproof_collider]
@@ -180,7 +197,7 @@ def repair(context, executable):
         # A point cache, which holds what Blender does, single precision, has two frames or more.
         sampled = yield from motion.sample(scene, objects, times if len(times) > 1 else times * 2, folder)
         answer, caches = folder / "answer.json", {}
-        arguments = [executable, "repair", *(each.path for each in sampled), "--quiet", "--json", str(answer)]
+        arguments = [executable, "repair", *(each.path for each in sampled), "--json", str(answer)]
         for each in sampled:
             if each.object in movable:
                 made = folder / f"repaired-{len(caches)}.obj"
@@ -192,8 +209,10 @@ def repair(context, executable):
             arguments += ["--model", model]
         if settings.thickness > 0:
             arguments += ["--thickness", repr(settings.thickness)]
-        arguments += _ignored_paths(ignored, sampled)
-        yield from program.run(arguments, folder, "Repairing", 0.9)
+        if contact is not None:
+            arguments += ["--contact", *contacts.names_in_files(contact, sampled)]
+        arguments += _ignored_paths(ignored, sampled) + _unit(scene)
+        yield from _run(sampled, arguments, folder, "Repairing")
         report = program.read_report(answer)
         copies = []
         if report["written"] and not report["unchanged"]:
@@ -201,10 +220,17 @@ def repair(context, executable):
                 each.expect_unedited()
             with marks.paused(), motion.returning(scene):
                 motion.set_time(scene, frames[0])
-                copies = [repaired.add(each, times, path) for each, path in caches.items()]
-            repaired.show_instead(context, list(caches), copies, [each for each in objects if each not in movable])
+                for each, path in caches.items():
+                    poses = repaired.read(path, each.vertex_count)[: len(times)]
+                    if repaired.moved(each, poses):
+                        copies.append(repaired.add(each, times, poses))
+            repaired.show(context, copies, True)
+            contacts.note_gone(scene, sampled, report["remaining"] + report["left"] + report["among_fixed"])
     text = _sentence(report["verdict"]["parts"], sampled, times) + left_out
-    return f"{text}. Made {', '.join(each.name for each in copies)}; hid what was repaired" if copies else text
+    if not copies:
+        return text
+    made = _count(copies, "copy", "copies") if len(copies) > 3 else ", ".join(each.name for each in copies)
+    return f"{text}. Made {made}, and hid {'the original' if len(copies) == 1 else 'the originals'}"
 
 
 def _count(things, one, many):
@@ -249,7 +275,7 @@ def train(context, executable):
         folder = pathlib.Path(name)
         sampled = yield from motion.sample(scene, objects, frames, folder)
         for each, path in zip(sampled, paths):
-            arguments = [executable, "train", each.path, "-o", str(path), "--quiet"]
-            yield from program.run(arguments, folder, f"Learning {each.object.name}", 0.9)
+            arguments = [executable, "train", each.path, "-o", str(path)]
+            yield from _run(sampled, arguments, folder, f"Learning {each.object.name}")
     settings.use_models = True
     return f"Learned {_count(objects, 'mesh', 'meshes')} from {_count(frames, 'pose', 'poses')}"

@@ -87,6 +87,12 @@ def show(scene, _depsgraph=None):
             _show(mesh, scene.frame_current)
 
 
+def color(shading, marks):
+    """Colors of marks in a viewport in place of materials', or these again; leaves other colors that the user chose."""
+    if shading.type == "SOLID" and shading.color_type == ("MATERIAL" if marks else "VERTEX"):
+        shading.color_type = "VERTEX" if marks else "MATERIAL"
+
+
 def clear(mesh):
     if RESULTS in mesh:
         del mesh[RESULTS]

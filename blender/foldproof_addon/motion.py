@@ -57,11 +57,15 @@ def numbered_polygons(meshes):
 
 
 def parts_of(scene_object, mesh, triangles):
-    """The name of the vertex group with the most weight in each triangle, of those that bones move if there are such; the
-    object's name where there is none. None: the groups tell nothing apart."""
+    """The name of the vertex group with the most weight in each triangle, of those that bones move if there are such (in
+    the original of a repaired copy, which has no modifiers); the object's name where there is none. None: the groups tell
+    nothing apart."""
+    rigged = scene_object
+    while rigged.foldproof_original:
+        rigged = rigged.foldproof_original
     bones = {
         bone.name
-        for modifier in scene_object.modifiers
+        for modifier in rigged.modifiers
         if modifier.type == "ARMATURE" and modifier.object
         for bone in modifier.object.data.bones
     }
@@ -82,10 +86,32 @@ def parts_of(scene_object, mesh, triangles):
     return parts if len(set(parts)) > 1 else None
 
 
-class Sampled:
-    """One object: its triangles, their polygons in the object's own mesh, and the file that is being written."""
+def first_at_same_place(positions):
+    """Of each vertex, the first one at its place."""
+    _, first, place = np.unique(positions + 0.0, axis=0, return_index=True, return_inverse=True)  # -0 is 0
+    return first[place.ravel()]
 
-    def __init__(self, scene_object, path, sample_count):
+
+def still_together(merged, positions):
+    """Of each vertex, the first one that it was merged with and that is at its place now."""
+    parted = np.flatnonzero((positions != positions[merged]).any(axis=1))
+    if len(parted) == 0:
+        return merged
+    places = np.column_stack([merged[parted], positions[parted]])
+    merged = merged.copy()
+    merged[parted] = parted[first_at_same_place(places)]
+    return merged
+
+
+class Sampled:
+    """One object: its triangles, their polygons in the object's own mesh, and the file that is being written.
+
+    part_names: of each vertex group that is a part, what it is called in the file; empty if the object has no parts.
+    merged: of each vertex, the first one that is at its place in all poses. Importers put several vertices there, for faces
+    with other normals or texture coordinates, and what meets there is one surface.
+    """
+
+    def __init__(self, scene_object, path):
         self.object = scene_object
         self.path = path
         with evaluated(scene_object, all_layers=True) as (mesh, _):
@@ -98,14 +124,20 @@ class Sampled:
             self.polygon_of = polygons[numbers(mesh.loop_triangles, "polygon_index")]
             self._faces = faces_of(mesh)
             self.vertex_count = len(mesh.vertices)
-            parts = parts_of(scene_object, mesh, self.triangles)
+            self._parts = parts_of(scene_object, mesh, self.triangles)
+        self.part_names = {} if self._parts is None else {str(name): str(name) for name in np.unique(self._parts)}
         self._own_faces = faces_of(scene_object.data)
+        self._vertices = None
+        self.merged = None
         self._archive = zipfile.ZipFile(path, "x")  # never the file of another object
         with self._archive.open("faces.npy", "w") as member:
             np.lib.format.write_array(member, self.triangles)
-        if parts is not None:
+
+    def begin(self, sample_count):
+        """Goes before the poses."""
+        if self._parts is not None:
             with self._archive.open("parts.npy", "w") as member:
-                np.lib.format.write_array(member, parts)
+                np.lib.format.write_array(member, np.array([self.part_names[name] for name in self._parts]))
         # First the header with the shape, then frame by frame, so that memory holds one frame.
         self._vertices = self._archive.open("vertices.npy", "w", force_zip64=True)
         shape = (sample_count, self.vertex_count, 3)
@@ -120,7 +152,9 @@ class Sampled:
                     "that changes them, or choose frames between which it does not"
                 )
             local = numbers(mesh.vertices, "co", 3, np.float32).reshape(-1, 3).astype(np.float64)
-        self._vertices.write(np.ascontiguousarray(local @ world[:3, :3].T + world[:3, 3]).tobytes())
+        self.merged = first_at_same_place(local) if self.merged is None else still_together(self.merged, local)
+        # Column by column: a product of matrices may round equal rows differently.
+        self._vertices.write((sum(local[:, k : k + 1] * world[:3, k] for k in range(3)) + world[:3, 3]).tobytes())
 
     def expect_unedited(self):
         """Marks on another mesh than the one that was sampled would be on wrong faces."""
@@ -129,13 +163,41 @@ class Sampled:
             raise Problem(f"{self.object.name} was edited meanwhile: check again")
 
     def close(self):
-        self._vertices.close()
+        if self._vertices:
+            self._vertices.close()
+        if self.merged is not None:
+            with self._archive.open("merged.npy", "w") as member:
+                np.lib.format.write_array(member, self.merged)
         self._archive.close()
+
+    def poses(self):
+        """The positions that were written, pose by pose."""
+        with zipfile.ZipFile(self.path) as archive, archive.open("vertices.npy") as member:
+            np.lib.format.read_magic(member)
+            (count, *shape), _, kind = np.lib.format.read_array_header_1_0(member)
+            for _ in range(count):
+                yield np.frombuffer(member.read(math.prod(shape) * kind.itemsize), kind).reshape(shape)
+
+
+def _tell_parts_apart(sampled):
+    """Gives parts of one name in several objects a name each."""
+    for each in sampled:
+        others = {name for other in sampled if other is not each for name in other.part_names}
+        for name in others & set(each.part_names):
+            each.part_names[name] = f"{name} of {pathlib.Path(each.path).stem}"
 
 
 def display_names(sampled):
-    """The objects' own names, by those of their files, without and with folder and extension."""
-    return {name: each.object.name for each in sampled for name in (pathlib.Path(each.path).stem, str(each.path))}
+    """What names in the program's answer stand for: files, without and with folder and extension, for the objects' own
+    names, and parts that have the name of a file in theirs for those with the object's."""
+    names = {}
+    for each in sampled:
+        for file in (pathlib.Path(each.path).stem, str(each.path)):
+            names[file] = each.object.name
+        for part, written in each.part_names.items():
+            if written != part:
+                names[written] = f"{part} of {each.object.name}"
+    return names
 
 
 def set_time(scene, time):
@@ -190,8 +252,11 @@ def sample(scene, objects, times, folder):
         with numbered_polygons({o.data for o in objects}):
             set_time(scene, scene.frame_start)
             for scene_object, name in zip(objects, file_names(objects)):
-                sampled.append(Sampled(scene_object, str(folder / f"{name}.npz"), len(times)))
+                sampled.append(Sampled(scene_object, str(folder / f"{name}.npz")))
                 at_end.callback(sampled[-1].close)
+        _tell_parts_apart(sampled)
+        for each in sampled:
+            each.begin(len(times))
         for i, time in enumerate(times):
             yield Progress(i / len(times), f"Reading frame {time:g}", needs_scene=True)
             set_time(scene, time)

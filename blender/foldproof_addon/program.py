@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import platform
+import re
 import shutil
 import subprocess
 import time
@@ -56,12 +57,13 @@ def _make_executable(program):
         ) from error
 
 
-def run(arguments, folder, text, fraction):
+def run(arguments, folder, text):
     """Runs the program and yields Progress; closing the generator ends the program. Returns its exit code, 0 or 1."""
     with open(folder / ERRORS, "wb") as stream:
         try:
             process = subprocess.Popen(
                 arguments, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=stream, cwd=folder,
+                env=dict(os.environ, FOLDPROOF_PROGRESS="lines"),
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except OSError as error:
@@ -70,7 +72,11 @@ def run(arguments, folder, text, fraction):
     try:
         while process.poll() is None:
             seconds = int(time.monotonic() - begin)
-            yield Progress(fraction, f"{text}, {seconds // 60}:{seconds % 60:02}", needs_scene=False)
+            share, left = _progress(folder)
+            if share is None:
+                yield Progress(0, f"{text}, {seconds // 60}:{seconds % 60:02}", needs_scene=False)
+            else:
+                yield Progress(share, f"{text}: {100 * share:.0f} %{left and f', {left} left'}", needs_scene=False)
     finally:
         if process.poll() is None:
             process.kill()  # it never leaves an incomplete report
@@ -80,8 +86,25 @@ def run(arguments, folder, text, fraction):
     return process.returncode
 
 
+# Such as "37% repairing, 0:20 left" and "reading body.npz, 0:03".
+_PROGRESS = re.compile(r"(\d+)% .*?(?:, (\d+:\d\d) left)?|.*, \d+:\d\d")
+
+
+def _lines(folder):
+    """The last lines that the program has written."""
+    with open(folder / ERRORS, "rb") as stream:
+        stream.seek(max(0, os.fstat(stream.fileno()).st_size - 4096))
+        return stream.read().decode(errors="replace").strip().splitlines() or [""]
+
+
+def _progress(folder):
+    """The share that is done, None if it is not known, and the time that is left, if it is known."""
+    found = _PROGRESS.fullmatch(_lines(folder)[-1])
+    return (int(found[1]) / 100, found[2] or "") if found and found[1] else (None, "")
+
+
 def _last_error(folder):
-    return (folder / ERRORS).read_text(errors="replace").strip().rpartition("\n")[2]
+    return next((line for line in reversed(_lines(folder)) if not _PROGRESS.fullmatch(line)), "")
 
 
 class _Triangles:
@@ -132,7 +155,7 @@ def read_report(path):
 
 def read_answer(path, sampled):
     report = read_report(path)
-    objects = [_Triangles(each.triangles, each.vertex_count) for each in sampled]
+    objects = [_Triangles(each.merged[each.triangles], each.vertex_count) for each in sampled]
     start = report.get("start")  # none with --static
     return Answer(
         report["verdict"]["parts"],

@@ -1,5 +1,7 @@
 """Repaired motions as objects of the scene: copies whose shape keys are the frames."""
 
+import re
+
 import bpy
 import numpy as np
 
@@ -7,22 +9,32 @@ from . import marks, motion
 from .compatibility import curves_of
 
 
-def add(sampled, times, cache):
-    """Adds a copy of an object, as it is at the scene's current frame, that moves as the point cache says. A shape key for
-    each time, in world space; straight lines between them, as in the proof."""
+def read(cache, vertex_count):
+    """Positions of a PC2: frames x vertices x 3, single precision."""
+    return np.fromfile(cache, "<f4", offset=32).reshape(-1, vertex_count, 3)
+
+
+def moved(sampled, poses):
+    """Whether the poses are others than those that were sampled."""
+    return any(not np.array_equal(pose, before.astype("<f4")) for pose, before in zip(poses, sampled.poses()))
+
+
+def add(sampled, times, poses):
+    """Adds a copy of an object, as it is at the scene's current frame, with these poses, in world space. A shape key for
+    each time; straight lines between them, as in the proof."""
     original = sampled.object
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = bpy.data.meshes.new_from_object(
         original.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
     marks.clear(mesh)
-    mesh.name = f"{original.data.name} repaired"
-    made = bpy.data.objects.new(f"{original.name} repaired", mesh)
+    mesh.name = _name_of_copy(original.data)
+    made = bpy.data.objects.new(_name_of_copy(original), mesh)
+    made.foldproof_original = original
     for group in [g for g in made.vertex_groups if g.name.startswith(marks.PREFIX)]:
         made.vertex_groups.remove(group)
     for collection in original.users_collection:
         collection.objects.link(made)
-    poses = _read(cache, sampled.vertex_count)[: len(times)]
     mesh.vertices.foreach_set("co", poses[0].ravel())
     if len(times) > 1:
         _key(made, times, poses)
@@ -30,9 +42,9 @@ def add(sampled, times, cache):
     return made
 
 
-def _read(cache, vertex_count):
-    """Positions of a PC2: frames x vertices x 3, single precision."""
-    return np.fromfile(cache, "<f4", offset=32).reshape(-1, vertex_count, 3)
+def _name_of_copy(datablock):
+    """Also for what is a copy already."""
+    return re.sub(r" repaired(\.\d+)?$", "", datablock.name) + " repaired"
 
 
 def _key(made, times, poses):
@@ -49,12 +61,22 @@ def _key(made, times, poses):
             point.interpolation = "LINEAR"
 
 
-def show_instead(context, sampled, copies, colliders):
-    """Hides the objects that were repaired, and selects their copies and the colliders, for the next check."""
-    for each in sampled:
-        each.object.select_set(False)
-        each.object.hide_set(True)
-        each.object.hide_render = True
-    for each in copies + colliders:
-        each.select_set(True)
-    context.view_layer.objects.active = copies[0]
+def copies_of(view_layer):
+    """The copies beside which there is their original, too."""
+    return [o for o in view_layer.objects if o.foldproof_original and o.foldproof_original.name in view_layer.objects]
+
+
+def show(context, copies, after):
+    """Shows copies in place of their originals, in renders too, or these in place of the copies. What is shown is selected if
+    some of what is hidden was."""
+    originals = [each.foldproof_original for each in copies]
+    shown, hidden = (copies, originals) if after else (originals, copies)
+    select = any(each.select_get() for each in hidden)
+    for objects, hide in ((shown, False), (hidden, True)):  # last, for a copy's copy
+        for each in objects:
+            each.hide_render = hide
+            each.hide_set(hide)
+            each.select_set(not hide and select)
+    for each in shown:
+        if each.select_get():
+            context.view_layer.objects.active = each

@@ -355,6 +355,7 @@ def repair(
     fixed: Sequence[str],
     only: Sequence[str],
     ignore: Sequence[tuple[str, str]],
+    contacts: Sequence[tuple[str, str]],
     frames: _Frames,
     start: Sequence[float],
     models: Model | Sequence[Model | None] | None,

@@ -11,6 +11,7 @@
 #include "module.h"
 #include "motions.h"
 #include "report/repair_motions.h"
+#include "report/repair_report.h"
 
 namespace foldproof::python {
 namespace {
@@ -30,8 +31,10 @@ py::list contacts_of(std::vector<Contact> contacts, Motions motions, const Check
 }
 
 /// The fields of the Python class foldproof.RepairResult.
-py::dict fields_of(const RepairedMotions& done, Motions motions, const CheckSettings& settings) {
+py::dict fields_of(const RepairedMotions& done, Motions motions, const RepairRequest& request) {
+  const CheckSettings& settings = request.check;
   py::dict d;
+  d["verdict"] = repair_verdict(motions, request, done.report).sentence.text();
   d["free"] = done.report.free;
   d["unchanged"] = done.report.unchanged;
   py::list repaired;
@@ -45,6 +48,7 @@ py::dict fields_of(const RepairedMotions& done, Motions motions, const CheckSett
   d["clearance"] = done.report.clearance;
   d["before"] = contacts_of(done.report.before, motions, settings);
   d["remaining"] = contacts_of(done.report.remaining, motions, settings);
+  d["left"] = contacts_of(done.report.left, motions, settings);
   d["among_fixed"] = contacts_of(done.report.among_fixed, motions, settings);
   d["unit"] = unit_of(motions, settings);
   return d;
@@ -56,7 +60,8 @@ void bind_repair(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(RepairedRow, time, correction, late, limit);
   const auto repair = [](const py::object& motions, double thickness, double falloff,
                          std::vector<std::string> fixed, std::vector<std::string> only,
-                         std::vector<std::array<std::string, 2>> ignore, const py::object& frames,
+                         std::vector<std::array<std::string, 2>> ignore,
+                         std::vector<std::array<std::string, 2>> contacts, const py::object& frames,
                          std::vector<double> start, const py::object& models, bool single_precision,
                          bool calm, const py::object& progress) {
     const auto all = motions_of(motions);
@@ -71,18 +76,20 @@ void bind_repair(py::module_& module) {
     request.repair.calm = calm;
     request.fixed = std::move(fixed);
     request.only = std::move(only);
+    request.between = std::move(contacts);
     std::optional<RepairedMotions> done;
     run_long(progress, [&](LongCall& call) {
       request.repair.interrupted = [cancel = call.cancel()] { return cancel->load(); };
       request.repair.progress = call.progress();
       done = take(repair_motions(all, request));
     });
-    return fields_of(*done, all, request.check);
+    return fields_of(*done, all, request);
   };
   // foldproof.repair has the documentation.
   module.def("repair", repair, py::arg("motions"), py::kw_only(), py::arg("thickness"), py::arg("falloff"),
-             py::arg("fixed"), py::arg("only"), py::arg("ignore"), py::arg("frames"), py::arg("start"),
-             py::arg("models"), py::arg("single_precision"), py::arg("calm"), py::arg("progress"));
+             py::arg("fixed"), py::arg("only"), py::arg("ignore"), py::arg("contacts"), py::arg("frames"),
+             py::arg("start"), py::arg("models"), py::arg("single_precision"), py::arg("calm"),
+             py::arg("progress"));
 }
 
 }  // namespace foldproof::python

@@ -26,6 +26,7 @@ def test_what_comes_out_is_free():
     assert list(done.frames["time"]) == [0, 1, 2, 3, 4]
     assert 0.05 < done.frames["correction"][2] < 0.1
     assert repr(done).startswith("<foldproof.RepairResult: free; 1 contact before")
+    assert done.verdict.startswith("Proven: nothing touches") and len(done.left) == 0
     again = foldproof.repair(done.motions[0])
     assert again.unchanged and again.free
     assert all(np.array_equal(again.motions[0][k], done.motions[0][k]) for k in range(5))
@@ -44,6 +45,24 @@ def test_what_may_move_and_what_is_ignored():
     assert foldproof.repair(motion, ignore=[("low", "high")]).unchanged
     kept = foldproof.repair(motion, thickness=0.03)
     assert foldproof.check(kept.motions[0], thickness=0.03).clean
+
+
+def test_only_what_is_chosen():
+    n = 81
+    two = sheets([0.3, -0.1, 0.3])
+    third = np.array([[0, 0, 0.2], [0.1, 0, 0.2], [0, 0.1, 0.2], [0.02, 0.02, 0.1], [0.03, 0.02, 0.3], [0.02, 0.03, 0.3]]) + [5, 0, 0]
+    frames = [np.concatenate([two[k], third]) for k in range(3)]
+    faces = np.concatenate([two.triangles, [[2 * n, 2 * n + 1, 2 * n + 2], [2 * n + 3, 2 * n + 4, 2 * n + 5]]])
+    motion = foldproof.Motion(faces, frames, parts=["low"] * 128 + ["high"] * 128 + ["knot"] * 2)
+    done = foldproof.repair(motion, contacts=[("high", "low")])
+    assert done.free and [c.between for c in done.before] == ["low - high"] and len(done.remaining) == 0
+    assert [c.between for c in done.left] == ["knot with itself"]
+    assert done.verdict.startswith("Proven: what was chosen is gone") and "; left: knot goes through itself" in done.verdict
+    assert repr(done).startswith("<foldproof.RepairResult: free of those chosen, 1 contact left; 1 contact before, ")
+    assert np.array_equal(np.asarray(done.motions[0][1])[2 * n :], third)
+    assert len(foldproof.check(done.motions[0]).contacts) == 1
+    with pytest.raises(foldproof.Error, match="did you mean 'knot'"):
+        foldproof.repair(motion, contacts=[("high", "nkot")])
 
 
 def test_a_model_knows_where_to_start():

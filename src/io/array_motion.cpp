@@ -114,6 +114,27 @@ Result<void> ArrayMotion::read_faces(NpyArray& faces) {
   return {};
 }
 
+Result<std::vector<Index>> read_merged(NpyArray& array, Index vertices) {
+  const NpyHeader& header = array.header();
+  if (!array.is_integer() || header.shape.size() != 1 || header.shape[0] != vertices) {
+    return fail(ErrorCode::InvalidFile, array.where(), "does not hold an integer for each vertex",
+                "save the number of the vertex that each one is merged into");
+  }
+  std::vector<char> bytes(array.elements() * header.item_bytes);
+  FOLDPROOF_TRY(array.read_at(0, bytes));
+  std::vector<Index> merged(vertices);
+  for (Index v = 0; v < vertices; ++v) {
+    const std::int64_t to = load_integer(bytes.data() + v * header.item_bytes, header);
+    if (to < 0 || to > v || (to < v && merged[static_cast<Index>(to)] != to)) {
+      return fail(ErrorCode::InvalidFile, fmt::format("{}, vertex {}", array.where(), v),
+                  "is not merged into itself or into an earlier vertex that is merged into itself",
+                  "save the first vertex at its place");
+    }
+    merged[v] = static_cast<Index>(to);
+  }
+  return merged;
+}
+
 Result<std::unique_ptr<Motion>> open_npy(const std::string& one, const std::string& other) {
   auto vertices = std::make_unique<NpyFile>(), faces = std::make_unique<NpyFile>();
   FOLDPROOF_TRY(vertices->open(one));

@@ -38,6 +38,9 @@ auto open_vertices(const std::string& path, const ArrayNames& names, const Open&
   return with_frames;
 }
 
+/// Of each vertex, the one that it is merged into (MotionInfo::merged). Error: the array is no such map.
+Result<std::vector<Index>> read_merged(NpyArray& array, Index vertices);
+
 /// Vertices are read frame by frame.
 class ArrayMotion final : public Motion {
  public:

@@ -8,10 +8,6 @@
 namespace foldproof::io {
 namespace {
 
-Result<std::unique_ptr<Motion>> open_archive(const std::string& path, const ReadOptions&,
-                                             const ReadProgress& progress) {
-  return open_npz(path, progress);
-}
 Result<std::unique_ptr<Motion>> open_scene(const std::string& path, const ReadOptions& options,
                                            const ReadProgress& progress) {
   return open_gltf(path, options, progress);
@@ -32,7 +28,7 @@ constexpr FileFormat kFormats[] = {
     {.extension = ".msh", .kind = FileKind::Mesh, .parse_mesh = parse_msh},
     {.extension = ".pc2", .kind = FileKind::PointCache, .open_cache = open_pc2},
     {.extension = ".mdd", .kind = FileKind::PointCache, .open_cache = open_mdd},
-    {.extension = ".npz", .kind = FileKind::Animation, .open_animation = open_archive},
+    {.extension = ".npz", .kind = FileKind::Animation, .open_animation = open_npz},
     {.extension = ".pvd", .kind = FileKind::Animation, .open_animation = open_collection},
     {.extension = ".npy", .kind = FileKind::Array},
     {.extension = ".gltf", .kind = FileKind::Animation, .open_animation = open_scene},

@@ -35,7 +35,8 @@ std::string list(std::span<const std::string> members) {
 
 }  // namespace
 
-Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress& progress) {
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadOptions& options,
+                                         const ReadProgress& progress) {
   std::uint64_t bytes = 0;
   auto archive = FOLDPROOF_TRY(open_archive(path, bytes));
   zip_t* zip = archive.get();
@@ -56,7 +57,12 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProg
   FOLDPROOF_TRY(motion->open(faces));
   motion->set_parts(FOLDPROOF_TRY(npz_parts(zip, path, bytes, motion->topology().triangles().size())));
   FOLDPROOF_TRY(frames.unpack(progress));
-  return motion;
+  if (options.weld != Weld::ByFormat || std::ranges::find(members, "merged.npy") == members.end())
+    return motion;
+  NpzArray merged;
+  FOLDPROOF_TRY(merged.open(zip, path, bytes, "merged", remedy));
+  auto map = FOLDPROOF_TRY(read_merged(merged, motion->topology().vertex_count()));
+  return merge(std::move(motion), std::move(map), "its array 'merged'", "check with --no-weld");
 }
 
 }  // namespace foldproof::io

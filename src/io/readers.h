@@ -78,8 +78,10 @@ Result<std::unique_ptr<Motion>> open_pc2(const std::string& mesh_path, const std
 Result<std::unique_ptr<Motion>> open_mdd(const std::string& mesh_path, const std::string& cache_path,
                                          const ReadProgress& progress);
 
-/// NumPy archive with `faces` and `vertices`.
-Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadProgress& progress);
+/// NumPy archive with `faces` and `vertices`; merges vertices by its array `merged` unless ReadOptions::weld
+/// says so.
+Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadOptions& options,
+                                         const ReadProgress& progress);
 /// Two NumPy files: the one with integers holds the faces.
 Result<std::unique_ptr<Motion>> open_npy(const std::string& one, const std::string& other);
 /// The files of a VTK collection in the order of their times. Error: it refers to a file that is not below
@@ -112,6 +114,10 @@ Result<std::unique_ptr<Motion>> with_loose_vertices(std::unique_ptr<Motion> moti
 /// Merges vertices that have exactly the same position in the first frame into the first of them, in the
 /// corners of triangles only (MotionInfo::merged). A frame in which merged vertices part is an error.
 Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion);
+/// Merges each vertex into the one that `merged` (MotionInfo::merged) has for it. `by`, which said so, and
+/// `remedy` are for errors: a frame in which such vertices part.
+Result<std::unique_ptr<Motion>> merge(std::unique_ptr<Motion> motion, std::vector<Index> merged,
+                                      const char* by, const char* remedy);
 /// Of every vertex, the first one at exactly its position; 0 and -0 are the same.
 std::vector<Index> first_at_same_place(std::span<const double> positions);
 

@@ -1,4 +1,4 @@
-// Merges vertices that have exactly the same position in the first frame.
+// Merges vertices that have exactly the same position.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,8 +12,14 @@ namespace {
 
 class WeldedMotion final : public Motion {
  public:
-  WeldedMotion(std::unique_ptr<Motion> motion, Topology topology, MotionInfo info)
-      : motion_(std::move(motion)), topology_(std::move(topology)), info_(std::move(info)) {}
+  /// `by`, which says what vertices are one, and `remedy`, where they part, are for errors.
+  WeldedMotion(std::unique_ptr<Motion> motion, Topology topology, MotionInfo info, const char* by,
+               const char* remedy)
+      : motion_(std::move(motion)),
+        topology_(std::move(topology)),
+        info_(std::move(info)),
+        by_(by),
+        remedy_(remedy) {}
 
   const std::string& name() const override { return motion_->name(); }
   const Topology& topology() const override { return topology_; }
@@ -27,8 +33,8 @@ class WeldedMotion final : public Motion {
       const double* x = &out[std::size_t{3} * v];
       if (kept == v || std::equal(x, x + 3, &out[std::size_t{3} * kept])) continue;
       return fail(ErrorCode::InvalidMesh, name(),
-                  fmt::format("vertices {} and {}, which --weld merged, part in frame {}", kept, v, k),
-                  "check without --weld");
+                  fmt::format("vertices {} and {}, which {} merged, part in frame {}", kept, v, by_, k),
+                  remedy_);
     }
     return {};
   }
@@ -37,6 +43,7 @@ class WeldedMotion final : public Motion {
   std::unique_ptr<Motion> motion_;
   Topology topology_;
   MotionInfo info_;
+  const char *by_, *remedy_;
 };
 
 MeshElements elements_of(const Topology& topology, const ObjectParts& parts) {
@@ -69,8 +76,14 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
   const Topology& topology = motion->topology();
   std::vector<double> positions(std::size_t{3} * topology.vertex_count());
   FOLDPROOF_TRY(motion->read_frame(0, positions));
+  return merge(std::move(motion), first_at_same_place(positions), "--weld", "check without --weld");
+}
+
+Result<std::unique_ptr<Motion>> merge(std::unique_ptr<Motion> motion, std::vector<Index> merged,
+                                      const char* by, const char* remedy) {
+  const Topology& topology = motion->topology();
   MotionInfo info = motion->info();
-  info.merged = first_at_same_place(positions);
+  info.merged = std::move(merged);
   info.layered = true;
   MeshElements elements = elements_of(topology, info.parts);
   elements.merge(info.merged);
@@ -80,7 +93,7 @@ Result<std::unique_ptr<Motion>> weld(std::unique_ptr<Motion> motion) {
   add_notes(layers, info);
   auto welded = FOLDPROOF_TRY(make_topology(topology.vertex_count(), std::move(elements.faces),
                                             elements.lines, elements.points, info.parts));
-  return std::make_unique<WeldedMotion>(std::move(motion), std::move(welded), std::move(info));
+  return std::make_unique<WeldedMotion>(std::move(motion), std::move(welded), std::move(info), by, remedy);
 }
 
 }  // namespace foldproof::io

@@ -45,7 +45,8 @@ class StoredMotion final : public Motion {
   std::function<bool(Index, std::span<double>)> read_;
 };
 
-// Per object and vertex, whether it may move: those of which a triangle is to, and none may not.
+// Per object and vertex, whether it may move: those of which a triangle is to, and none may not; with them
+// those that were merged into them.
 Result<std::vector<std::vector<std::uint8_t>>> movable_vertices(Motions motions,
                                                                 const RepairRequest& request) {
   const auto fixed = FOLDPROOF_TRY(triangles_named(motions, request.check, request.fixed));
@@ -53,15 +54,19 @@ Result<std::vector<std::vector<std::uint8_t>>> movable_vertices(Motions motions,
   std::vector<std::vector<std::uint8_t>> movable;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Topology& topology = motions[i]->topology();
-    auto& of = movable.emplace_back(topology.vertex_count(), request.only.empty() ? 1 : 0);
+    auto& of = movable.emplace_back(topology.vertex_count(), 0);
     for (std::size_t t = 0; t < topology.triangles().size(); ++t) {
-      for (const Index v : topology.triangles()[t]) of[v] |= only[i][t];
+      for (const Index v : topology.triangles()[t]) of[v] |= request.only.empty() || only[i][t] != 0;
     }
     for (std::size_t t = 0; t < topology.triangles().size(); ++t) {
       for (const Index v : topology.triangles()[t]) of[v] &= fixed[i][t] == 0;
     }
-    if (request.fixed_vertices.empty()) continue;
-    for (const Index v : request.fixed_vertices[i]) of[v] = 0;
+    const auto& merged = motions[i]->info().merged;
+    const auto one = [&](Index v) { return merged.empty() ? v : merged[v]; };
+    if (!request.fixed_vertices.empty()) {
+      for (const Index v : request.fixed_vertices[i]) of[one(v)] = 0;
+    }
+    for (Index v = 0; v < of.size(); ++v) of[v] = of[one(v)];
   }
   return movable;
 }

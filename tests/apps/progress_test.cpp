@@ -13,6 +13,7 @@ namespace foldproof {
 namespace {
 
 using namespace foldproof::testing;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -128,6 +129,23 @@ TEST(StageProgress, SaysWhatIsDoneThoughItGivesNoSign) {
   EXPECT_THAT(shown, ::testing::AnyOf(HasSubstr("building the hierarchy, 0:0"),
                                       HasSubstr("finding what crosses in the first frame, 0:0")));
   EXPECT_EQ(shown_when_slow(directory.path(), {"check", "sheet.off", "-q"}, 400), "");
+}
+
+TEST(ReadingProgress, IsLinesForOtherPrograms) {
+  const TemporaryDirectory directory;
+  write_file(directory / "slow.gltf", "");
+  std::filesystem::resize_file(directory / "slow.gltf", kSize);
+  write_file(directory / "traced",
+             std::string("#!/bin/sh\nFOLDPROOF_PROGRESS=lines exec ") + FOLDPROOF_PROGRAM + " \"$@\"\n");
+  std::filesystem::permissions(directory / "traced", std::filesystem::perms::owner_all);
+  std::string shown;
+  for (int attempt = 0; attempt < 20 && shown.find('%') == std::string::npos; ++attempt)
+    shown = run_program({"check", "slow.gltf"}, {.directory = directory.path(),
+                                                 .program = directory / "traced",
+                                                 .while_it_runs = stop_while_it_reads})
+                .err;
+  EXPECT_THAT(shown, ContainsRegex("^[0-9]+% reading slow.gltf: [0-9]+ of 128 MB, [0-9]:[0-9][0-9] left\n"));
+  EXPECT_THAT(shown, Not(HasSubstr("\x1b")));
 }
 
 TEST(ReadingProgress, IsNotShownIfQuiet) {

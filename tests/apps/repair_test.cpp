@@ -112,13 +112,14 @@ TEST(RepairProgram, ContactsThatAreNamedAreRepairedAlone) {
   const Demo demo;
   const auto repair = [&](const char* one, const char* other) {
     return demo.repair({"body.npz", "shirt.npz", "--contact", one, other, "--json", "done.json", "-o",
-                        "a.npz", "-o", "b.npz"});
+                        "a.npz", "-o", "b.npz", "--unit", "cm"});
   };
   const Outcome done = repair("shirt", "body");
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("Proven: what was chosen is gone, in all frames and at all times between "
                                   "them; left: body goes through itself twice"));
   EXPECT_THAT(done.out, HasSubstr("What was left:\n\n2 contacts"));
+  EXPECT_THAT(done.out, ContainsRegex("largest correction +[0-9.]+ cm in frame"));
   const auto report = nlohmann::json::parse(demo.bytes("done.json"));
   EXPECT_EQ(report["verdict"]["kind"], "limited");
   EXPECT_EQ(report["before"].size(), 4);
@@ -161,6 +162,20 @@ TEST(RepairProgram, WhatMayNotMoveIsTestedWithItselfAndListed) {
     with = may_move;
     with.insert(with.end(), {"--thickness", "0.1"});
     EXPECT_THAT(repair(with).out, HasSubstr("was not tested with itself for the thickness"));
+  }
+}
+
+// Vertex 6 is in no face; with --weld, 4 and 5 are in none either.
+TEST(RepairProgram, WhatIsFixedHasNoVertexThatMayMove) {
+  const Workplace place;
+  write_file(place / "a.obj", "v 9 9 9\nv 10 9 9\nv 9 10 9\nf 1 2 3\n");
+  write_file(place / "b.obj",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nf 5 4 6\n");
+  for (const char* option : {"--weld", "--no-weld"}) {
+    const Outcome done =
+        run_program({"repair", "--separate", option, "a.obj", "b.obj", "--fixed", "b", "-o", "out.npz"},
+                    {.directory = place.path()});
+    EXPECT_EQ(done.code, 0) << option << done.err;
   }
 }
 

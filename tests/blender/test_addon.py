@@ -23,6 +23,7 @@ import unittest.mock
 
 import bmesh
 import bpy
+import mathutils
 import numpy as np
 
 ARGUMENTS = sys.argv[sys.argv.index("--") + 1 :]
@@ -305,7 +306,7 @@ class Addon(unittest.TestCase):
     def test_vertex_groups_are_parts(self):
         """The group with the most weight in a face; those of no bone do not count where there are bones."""
         tube = bending_tube()
-        tube.vertex_groups.new(name="pinned").add(list(range(60)), 1, "REPLACE")
+        tube.vertex_groups.new(name="pinned").add(list(range(300)), 1, "REPLACE")
         bpy.ops.foldproof.check()
         self.assertEqual({each.name for each in self.settings.contacts}, {"lower - upper"})
         self.assertRegex(self.settings.message, "^(lower and upper|upper and lower) go through each other")
@@ -337,8 +338,24 @@ class Addon(unittest.TestCase):
         self.scene.frame_set(2)
         self.settings.contact = 0
         self.assertEqual(self.scene.frame_current, 6)
-        view = types.SimpleNamespace(view_perspective="CAMERA")
+        behind = (-mathutils.Vector(contact.normal)).to_track_quat("Z", "Y")
+        view = types.SimpleNamespace(view_perspective="CAMERA", view_rotation=behind)
         addon("contacts").aim(view, contact)
+        seen_from = view.view_rotation @ mathutils.Vector((0, 0, 1))
+        np.testing.assert_allclose(seen_from, contact.normal, atol=1e-3)
+        self.assertGreater(abs(contact.normal[2]), 0.9)
+        aslant = view.view_rotation = mathutils.Quaternion((1, 0, 0), 0.5) @ view.view_rotation
+        addon("contacts").aim(view, contact)
+        self.assertEqual(view.view_rotation, aslant)
+        shading = types.SimpleNamespace(type="SOLID", color_type="MATERIAL")
+        for marks, expected in ((True, "VERTEX"), (False, "MATERIAL")):
+            addon("marks").color(shading, marks)
+            self.assertEqual(shading.color_type, expected)
+        shading.color_type = "OBJECT"
+        for marks in (True, False):
+            addon("marks").color(shading, marks)
+        self.assertEqual(shading.color_type, "OBJECT")
+        self.assertEqual(contact.in_words(self.scene.unit_settings), "Ball - Box: frames 4-8, 40 cm deep")
         self.assertEqual(view.view_perspective, "PERSP")
         np.testing.assert_allclose(view.view_location, (0.2, 0.1, 0.6), atol=0.1)
         self.assertGreater(view.view_distance, 0.5)
@@ -397,7 +414,7 @@ class Addon(unittest.TestCase):
     def test_a_file_may_have_the_name_of_another_object(self):
         class Sampled:
             def __init__(self, file, name):
-                self.path, self.object = pathlib.Path(file), type("Object", (), {"name": name})
+                self.path, self.object, self.part_names = pathlib.Path(file), type("Object", (), {"name": name}), {}
 
         sampled = [Sampled("/tmp/a.npz", "b"), Sampled("/tmp/b.npz", "c"), Sampled("/tmp/c.d.npz", "e.f")]
         said = ["a and b go through each other in frame ", 0.5, "; /tmp/a.npz, ab, c.d"]
@@ -596,7 +613,8 @@ class Addon(unittest.TestCase):
 
         changing = bpy.data.objects.new("Changing", mesh([(0, 1, 2, 3), (4, 5, 6)]))
         bpy.context.collection.objects.link(changing)
-        sampled = addon("motion").Sampled(changing, str(WORK / "changing.npz"), 1)
+        sampled = addon("motion").Sampled(changing, str(WORK / "changing.npz"))
+        sampled.begin(1)
         changing.data = mesh([(0, 1, 2), (3, 4, 5, 6)])
         with self.assertRaisesRegex(addon("problem").Problem, "Changing has other faces at frame 1"):
             sampled.add(1)
@@ -696,7 +714,7 @@ class Addon(unittest.TestCase):
                 getattr(getattr(bpy.ops, module), operator).get_rna_type()
                 return types.SimpleNamespace()
 
-            def label(self, text, icon="NONE"):
+            def label(self, text, icon="BLANK1"):
                 test.assertIn(icon, icons)
                 drawn.append(text)
 
@@ -718,16 +736,18 @@ class Addon(unittest.TestCase):
 
         panel = types.SimpleNamespace(layout=Layout())
         context = types.SimpleNamespace(
-            scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences
+            scene=self.scene, region=types.SimpleNamespace(width=200), preferences=bpy.context.preferences,
+            view_layer=bpy.context.view_layer,
         )
         context.selected_objects = two_planes()
         bpy.ops.foldproof.check()
+        self.settings.contact = 0
         self.settings.message = "what was found " * 5
         bpy.context.preferences.addons[NAME].preferences.program = "/nowhere/foldproof"
         addon("interface").FOLDPROOF_PT_panel.draw(panel, context)
         self.assertIn("'/nowhere/foldproof' is not", "".join(drawn))
-        self.assertEqual([text for text in drawn if text in ("Floor - Strip", "6.25", "touches")],
-                         ["Floor - Strip", "6.25", "touches"])
+        self.assertEqual([text for text in drawn if text in ("Floor - Strip", "touches")], ["Floor - Strip", "touches"])
+        self.assertIn("Floor - Strip: frame 6.25, touches", " ".join("".join(drawn).split()))
         self.assertIn("Strip", drawn)
         self.assertEqual("".join(drawn).count("found"), 5)
         self.assertLess(max(map(len, drawn)), 30)
@@ -746,7 +766,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(self.scene.frame_current, 4)
         self.assertEqual(
             self.settings.message,
-            "Proven: nothing touches, in no frame and at no time between frames. Made Ball repaired; hid what was repaired",
+            "Proven: nothing touches, in no frame and at no time between frames. Made Ball repaired, and hid the original",
         )
         copy = bpy.data.objects["Ball repaired"]
         self.assertEqual({o.name for o in bpy.context.selected_objects}, {"Ball repaired", "Box"})
@@ -771,6 +791,145 @@ class Addon(unittest.TestCase):
         self.assertNotIn("Ball repaired", bpy.data.objects)
         self.assertFalse(bpy.data.objects["Ball"].hide_render)
 
+    def test_repair_of_one_contact_leaves_the_others(self):
+        """A ball that dips into a box, and a tube beside them that is folded onto itself."""
+        box, ball = ball_in_box()
+        tube = bending_tube()
+        tube.location = bpy.data.objects["Bones"].location = (9, 0, 0)
+        for each in (box, ball, tube):
+            each.select_set(True)
+        with self.assertRaises(RuntimeError):  # none is chosen
+            bpy.ops.foldproof.repair_contact()
+        bpy.ops.foldproof.check()
+        names = [each.name for each in self.settings.contacts]
+        self.assertEqual(set(names), {"Ball - Box", "lower - upper"})
+        self.settings.contact = names.index("Ball - Box")
+        box.foldproof_collider = True
+        self.assertEqual(bpy.ops.foldproof.repair_contact(), {"FINISHED"})
+        self.assertRegex(
+            self.settings.message,
+            r"^Proven: what was chosen is gone, in all frames and at all times between them; left: (lower and upper|upper and lower)"
+            r" go through each other, .*cm at worst, in frame .*\. Made Ball repaired, and hid the original$",
+        )
+        self.assertEqual({o.name for o in bpy.context.selected_objects}, {"Ball repaired", "Box", "Tube"})
+        self.assertFalse(tube.hide_get())
+        self.assertEqual({each.name: each.gone for each in self.settings.contacts}, {"Ball - Box": True, "lower - upper": False})
+        with self.assertRaises(RuntimeError):  # it is gone
+            bpy.ops.foldproof.repair_contact()
+        self.settings.contact = 1 - self.settings.contact
+        tube.select_set(False)
+        self.fails(bpy.ops.foldproof.repair_contact, "Tube is not selected: select it, or check what is selected")
+        tube.select_set(True)
+        tube.vertex_groups["upper"].name = "other"
+        self.fails(bpy.ops.foldproof.repair_contact, "Tube has no faces of upper any more: check again")
+        tube.vertex_groups["other"].name = "upper"
+        bpy.ops.foldproof.repair_contact()
+        self.assertRegex(self.settings.message, "^Proven: nothing touches.*Made Tube repaired, and hid")
+        self.assertTrue(all(each.gone for each in self.settings.contacts))
+
+    def test_one_contact_after_the_other_in_copies(self):
+        """A copy has no armature, and the parts that its original has."""
+        tube = bending_tube()
+        tube.vertex_groups.new(name="pinned").add(list(range(300)), 1, "REPLACE")
+        ball = ball_in_box()[1]
+        ball.name = "Other"
+        bpy.data.objects["Box"].foldproof_collider = True
+        ball.location.x = bpy.data.objects["Box"].location.x = 9
+        tube.select_set(True)
+        bpy.ops.foldproof.check()
+        names = [each.name for each in self.settings.contacts]
+        for name, left in (("lower - upper", "; left: "), ("Box - Other", "")):
+            self.settings.contact = names.index(name)
+            bpy.ops.foldproof.repair_contact()
+            self.assertIn(left, self.settings.message)
+        self.assertRegex(self.settings.message, "^Proven: nothing touches.*Made Other repaired, and hid")
+
+        def parts(name):
+            with addon("motion").evaluated(bpy.data.objects[name], all_layers=True) as (mesh, _):
+                mesh.calc_loop_triangles()
+                triangles = addon("motion").numbers(mesh.loop_triangles, "vertices", 3).reshape(-1, 3)
+                return addon("motion").parts_of(bpy.data.objects[name], mesh, triangles).tolist()
+
+        self.assertEqual(set(parts("Tube")), {"lower", "upper"})
+        self.assertEqual(parts("Tube repaired"), parts("Tube"))
+
+    def test_parts_of_one_name_in_two_objects(self):
+        one, two = bending_tube(), bending_tube()
+        two.location.x = 3
+        bpy.data.objects["Bones.001"].location.x = 3
+        one.select_set(True)
+        bpy.ops.foldproof.check()
+        self.assertEqual({each.name for each in self.settings.contacts},
+                         {"lower of Tube - upper of Tube", "lower of Tube.001 - upper of Tube.001"})
+        self.assertRegex(self.settings.message, r"^(lower|upper) of Tube(\.001)? and (lower|upper) of Tube(\.001)? go through")
+        self.settings.contact = [each.object_a for each in self.settings.contacts].index("Tube.001")
+        bpy.ops.foldproof.repair_contact()
+        self.assertRegex(self.settings.message, r"left: (lower|upper) of Tube and (lower|upper) of Tube go.* Made Tube.001 repaired, and")
+
+    def test_vertices_at_one_place_are_one(self):
+        """Importers make several of one, for faces that differ in normals or texture coordinates."""
+        box, ball = ball_in_box()
+        bpy.ops.foldproof.check()
+        expected = self.settings.message, ball.data["foldproof"].to_dict()
+        self.assertTrue(expected[1]["meeting"])
+        apart = bmesh.new()
+        apart.from_mesh(ball.data)
+        bmesh.ops.split_edges(apart, edges=apart.edges)
+        apart.to_mesh(ball.data)
+        apart.free()
+        self.assertGreater(len(ball.data.vertices), 1000)
+        ball.rotation_euler = (0.3, 0.2, 0.1)
+        bpy.ops.foldproof.check()
+        turned = self.settings.message
+        ball.rotation_euler = (0, 0, 0)
+        bpy.ops.foldproof.check()
+        self.assertEqual((self.settings.message, ball.data["foldproof"].to_dict()), expected)
+        self.assertRegex(turned, "^Ball and Box go through each other, ")
+        bpy.ops.foldproof.repair()
+        self.assertIn("Proven: nothing touches", self.settings.message)
+        bpy.ops.foldproof.check()
+        self.assertIn("No collisions", self.settings.message)
+        # Those that stay together are one, whatever leaves.
+        first = addon("motion").first_at_same_place
+        rows = np.array([[0, 0, 1], [1, 2, 3], [-0.0, 0, 1], [1, 2, 3], [0, 0, 2]])
+        np.testing.assert_array_equal(first(rows), [0, 1, 0, 1, 4])
+        rows = np.array([[0, 0, 1], [1, 2, 4], [5, 5, 5], [1, 2, 3], [0, 0, 2]])
+        np.testing.assert_array_equal(addon("motion").still_together(np.array([0, 1, 0, 1, 0]), rows), [0, 1, 2, 3, 4])
+        rows[[2, 4]] = 7
+        np.testing.assert_array_equal(addon("motion").still_together(np.array([0, 1, 0, 1, 0]), rows), [0, 1, 2, 3, 2])
+
+    def test_before_and_after(self):
+        box, ball = ball_in_box()
+        box.foldproof_collider = True
+        with self.assertRaises(RuntimeError):
+            bpy.ops.foldproof.before_after()
+        bpy.ops.foldproof.repair()
+        copy = bpy.data.objects["Ball repaired"]
+        shown = lambda: {o.name for o in bpy.context.view_layer.objects if o.visible_get() and not o.hide_render}
+        selected = lambda: {o.name for o in bpy.context.selected_objects}
+        self.assertEqual(shown(), {"Box", "Ball repaired"})
+        bpy.ops.foldproof.before_after()
+        self.assertEqual((shown(), selected()), ({"Box", "Ball"}, {"Box", "Ball"}))
+        copy.name = "Mine"
+        bpy.ops.foldproof.before_after()
+        self.assertEqual((shown(), selected()), ({"Box", "Mine"}, {"Box", "Mine"}))
+        copy.name = "Ball repaired"
+
+        # A copy of the copy: the first and the last one are before and after.
+        self.settings.thickness = 1
+        self.fails(bpy.ops.foldproof.repair, "Thickness: 1 is more than the gaps of Ball repaired itself: ")
+        self.settings.thickness = 0.02
+        bpy.ops.foldproof.repair()
+        self.assertEqual(shown(), {"Box", "Ball repaired.001"})
+        bpy.ops.foldproof.before_after()
+        self.assertEqual(shown(), {"Box", "Ball"})
+        bpy.ops.foldproof.before_after()
+        self.assertEqual((shown(), selected()), ({"Box", "Ball repaired.001"},) * 2)
+        bpy.data.objects.remove(ball)
+        bpy.data.objects.remove(bpy.data.objects["Ball repaired"])
+        with self.assertRaises(RuntimeError):
+            bpy.ops.foldproof.before_after()
+
     def positions(self, made):
         shown = made.evaluated_get(bpy.context.evaluated_depsgraph_get())
         return np.array([shown.matrix_world @ v.co for v in shown.data.vertices])
@@ -779,7 +938,7 @@ class Addon(unittest.TestCase):
         bending_tube()
         self.scene.frame_start = self.scene.frame_end = 10
         bpy.ops.foldproof.repair()
-        self.assertRegex(self.settings.message, r"^Proven: nothing touches.*\. Made Tube repaired; hid")
+        self.assertRegex(self.settings.message, r"^Proven: nothing touches.*\. Made Tube repaired, and hid")
         self.assertIsNone(bpy.data.objects["Tube repaired"].data.shape_keys)
         bpy.ops.foldproof.repair()  # of the copy
         self.assertEqual(self.settings.message, "The motion is as it was: nothing touches")

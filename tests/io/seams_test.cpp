@@ -3,6 +3,7 @@
 #include <random>
 
 #include "io/gltf_builder.h"
+#include "io/npz_builder.h"
 
 namespace foldproof::testing {
 namespace {
@@ -219,6 +220,43 @@ TEST_F(SeamsTest, WeldMergesEqualVerticesOfTheFirstFrame) {
   const auto plain = open({files.path("run")});
   EXPECT_THAT(merged(*plain), IsEmpty()) << "only on request";
   EXPECT_EQ(triangles(*plain), (std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}}));
+}
+
+TEST_F(SeamsTest, AnArchiveSaysWhichVerticesAreOne) {
+  const auto archive = [&](const std::string& merged, double last) {
+    std::vector<double> frames;
+    for (const double z : {0.0, last})
+      frames.insert(frames.end(), {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, -0.0, 0, 1, 1, 0, 0, 1, z, 5, 5, 5});
+    return write_archive(files.path("a.npz"),
+                         {{"faces.npy", npy("<i4", "2, 3", array<std::int32_t>({0, 1, 2, 3, 4, 5}))},
+                          {"vertices.npy", npy("<f8", "2, 7, 3", array(frames))},
+                          {"merged.npy", merged}});
+  };
+  const auto map = [](const std::vector<std::int64_t>& of) {
+    return npy("<i8", fmt::format("{},", of.size()), array(of));
+  };
+  const std::vector<std::int64_t> good{0, 1, 2, 1, 4, 2, 6};
+  const auto motion = open({archive(map(good), 0)});
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(triangles(*motion), (std::vector<Triangle>{{0, 1, 2}, {1, 4, 2}}));
+  EXPECT_THAT(merged(*motion), ElementsAre(0, 1, 2, 1, 4, 2, 6));
+  EXPECT_THAT(motion->info().unchecked, ElementsAre(HasSubstr("1 vertex in no face")));
+  EXPECT_THAT(merged(*open({files.path("a.npz")}, {.weld = Weld::Never})), IsEmpty());
+  EXPECT_EQ(
+      frame_error(*open({archive(map(good), 1)}), 1),
+      "a.npz: vertices 2 and 5, which its array 'merged' merged, part in frame 1; check with --no-weld");
+  const std::string no_map =
+      "is not merged into itself or into an earlier vertex that is merged into itself; "
+      "save the first vertex at its place";
+  for (const auto& [bad, where] :
+       std::vector<std::pair<std::vector<std::int64_t>, std::string>>{{{0, 1, 2, 4, 4, 2, 6}, "vertex 3"},
+                                                                      {{0, 1, 2, 1, 4, 3, 6}, "vertex 5"},
+                                                                      {{-1, 1, 2, 1, 4, 2, 6}, "vertex 0"}})
+    EXPECT_EQ(open_error({archive(map(bad), 0)}), fmt::format("a.npz, array 'merged', {}: {}", where, no_map));
+  for (const std::string& bad :
+       {map({0, 1}), npy("<f8", "7,", array<double>({0, 1, 2, 1, 4, 2, 6})), npy("<i8", "7, 1", array(good))})
+    EXPECT_THAT(open_error({archive(bad, 0)}),
+                HasSubstr("does not hold an integer for each vertex; save the"));
 }
 
 TEST_F(SeamsTest, WeldOfAGltfMergesBetweenNodes) {
