@@ -281,7 +281,7 @@ class FOLDPROOF_OT_clear(bpy.types.Operator):
 class FOLDPROOF_UL_contacts(bpy.types.UIList):
     def draw_item(self, context, layout, _data, contact, _icon, _active_data, _active_property, _index=0, _flag=0):
         row = layout.split(factor=0.7)
-        row.label(text=contact.name)
+        row.label(text=shortened(contact.name, int(0.7 * letters_of(context))))
         size = contact.size_text(context.scene.unit_settings) if contact.crosses else "touches"
         row.label(text="gone" if contact.gone else size)
 
@@ -319,6 +319,7 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
                 active = settings.contacts[settings.contact]
                 wrapped(layout, active.in_words(context.scene.unit_settings), "NONE", context)
         column = layout.column()
+        column.use_property_split = False
         column.label(text="May Not Move")
         for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
             column.prop(each, "foldproof_collider", text=each.name)
@@ -335,16 +336,42 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         row.operator("screen.marker_jump", text="Next", icon="NEXT_KEYFRAME").next = True
         layout.operator("foldproof.select", icon="RESTRICT_SELECT_OFF")
         layout.operator("foldproof.clear", icon="TRASH")
-        layout.separator()
+
+
+class FOLDPROOF_PT_models(bpy.types.Panel):
+    bl_label = "Models"
+    bl_parent_id = "FOLDPROOF_PT_panel"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.foldproof
+        layout.use_property_split = True
+        layout.use_property_decorate = False
         layout.prop(settings, "use_models")
         layout.prop(settings, "folder")
         layout.operator("foldproof.train", icon="ARMATURE_DATA")
 
 
+def letters_of(context):
+    """How many fit into a line of the panel, beside an icon, the margins and the tabs."""
+    width = context.region.width / (context.preferences.system.ui_scale or 1)  # 0 without a window
+    return max(16, int((width - 70) / 6.5))
+
+
+def shortened(names, letters):
+    """Two names, "A - B", of which each keeps its beginning and its end; or another text."""
+    sides = names.split(" - ", 1)
+    room = letters - 3 * (len(sides) - 1)
+    lengths = [min(len(side), max(room // len(sides), room - sum(map(len, sides)) + len(side))) for side in sides]
+    middle = lambda text, n: text if len(text) <= n else f"{text[: n - 1 - n // 2]}\N{HORIZONTAL ELLIPSIS}{text[len(text) - n // 2 :]}"
+    return " - ".join(map(middle, sides, lengths))
+
+
 def wrapped(layout, text, icon, context):
     """A label with line breaks; Blender truncates long labels."""
-    width = context.region.width / (context.preferences.system.ui_scale or 1)  # 0 without a window
-    letters = max(16, int((width - 70) / 6.5))  # beside the icon, the margins and the tabs
+    letters = letters_of(context)
     lines = [""]
     for word in re.findall(rf"\S{{1,{letters}}}", text):
         if len(lines[-1]) + len(word) > letters:
@@ -368,6 +395,7 @@ _classes = (
     FOLDPROOF_OT_clear,
     FOLDPROOF_UL_contacts,
     FOLDPROOF_PT_panel,
+    FOLDPROOF_PT_models,
 )
 
 

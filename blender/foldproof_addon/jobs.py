@@ -27,6 +27,10 @@ def meshes_to_check(context):
             raise Problem(f"{scene_object.name} is in Edit Mode: leave it first")
         if scene_object.data.library or scene_object.data.override_library:
             raise Problem(f"The mesh of {scene_object.name} is linked from another file: make it local first")
+        for modifier in scene_object.modifiers:
+            # Else it would be computed anew, from what frame and in what state it is now.
+            if modifier.type in {"CLOTH", "SOFT_BODY"} and modifier.show_viewport and not modifier.point_cache.is_baked:
+                raise Problem(f"{modifier.name} of {scene_object.name} is not baked: bake it first (Physics > Cache > Bake)")
     return objects
 
 

@@ -119,7 +119,7 @@ TEST(RepairProgram, ContactsThatAreNamedAreRepairedAlone) {
   EXPECT_THAT(done.out, HasSubstr("Proven: what was chosen is gone, in all frames and at all times between "
                                   "them; left: body goes through itself twice"));
   EXPECT_THAT(done.out, HasSubstr("What was left:\n\n2 contacts"));
-  EXPECT_THAT(done.out, ContainsRegex("largest correction +[0-9.]+ cm in frame"));
+  EXPECT_THAT(done.out, ::testing::ContainsRegex("largest correction +[0-9.]+ cm in frame"));
   const auto report = nlohmann::json::parse(demo.bytes("done.json"));
   EXPECT_EQ(report["verdict"]["kind"], "limited");
   EXPECT_EQ(report["before"].size(), 4);

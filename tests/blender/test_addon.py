@@ -566,6 +566,21 @@ class Addon(unittest.TestCase):
         child.select_set(False)
         self.fails(bpy.ops.foldproof.check, "Strip shows instances")
 
+    def test_simulations_must_be_baked(self):
+        floor, strip = two_planes()
+        cloth = strip.modifiers.new("Cloth", "CLOTH")
+        self.fails(bpy.ops.foldproof.check, "Cloth of Strip is not baked: bake it first")
+        cloth.show_viewport = False
+        bpy.ops.foldproof.check()
+        self.assertEqual(list(markers()), [6])
+        cloth.show_viewport = True
+        bpy.ops.foldproof.clear()
+        cloth.point_cache.frame_start, cloth.point_cache.frame_end = 1, 11
+        with bpy.context.temp_override(scene=self.scene, active_object=strip, object=strip, point_cache=cloth.point_cache):
+            bpy.ops.ptcache.bake(bake=True)
+        bpy.ops.foldproof.check()
+        self.assertEqual(markers(), {})  # it falls by itself, slower than its keys would move it
+
     def test_says_what_was_left_out(self):
         two_planes()
         self.scene.frame_step = 5
@@ -745,12 +760,21 @@ class Addon(unittest.TestCase):
         self.settings.message = "what was found " * 5
         bpy.context.preferences.addons[NAME].preferences.program = "/nowhere/foldproof"
         addon("interface").FOLDPROOF_PT_panel.draw(panel, context)
+        addon("interface").FOLDPROOF_PT_models.draw(panel, context)
         self.assertIn("'/nowhere/foldproof' is not", "".join(drawn))
         self.assertEqual([text for text in drawn if text in ("Floor - Strip", "touches")], ["Floor - Strip", "touches"])
         self.assertIn("Floor - Strip: frame 6.25, touches", " ".join("".join(drawn).split()))
         self.assertIn("Strip", drawn)
         self.assertEqual("".join(drawn).count("found"), 5)
         self.assertLess(max(map(len, drawn)), 30)
+
+    def test_names_that_do_not_fit(self):
+        shortened = addon("interface").shortened
+        self.assertEqual(shortened("Arm - Leg", 9), "Arm - Leg")
+        self.assertEqual(shortened("Skeleton_arm_1 - Leg", 14), "Ske…rm_1 - Leg")
+        self.assertEqual(shortened("Leg - Skeleton_arm_1", 14), "Leg - Ske…rm_1")
+        self.assertEqual(shortened("Skeleton_arm_1 - Skeleton_arm_2", 15), "Sk…m_1 - Sk…m_2")
+        self.assertEqual(shortened("Skeleton_arm_1 with itself", 13), "Skelet…itself")
 
     def test_repair_makes_a_copy_that_touches_nothing(self):
         box, ball = ball_in_box()
