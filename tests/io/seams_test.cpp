@@ -252,7 +252,8 @@ TEST_F(SeamsTest, AnArchiveSaysWhichVerticesAreOne) {
        std::vector<std::pair<std::vector<std::int64_t>, std::string>>{{{0, 1, 2, 4, 4, 2, 6}, "vertex 3"},
                                                                       {{0, 1, 2, 1, 4, 3, 6}, "vertex 5"},
                                                                       {{-1, 1, 2, 1, 4, 2, 6}, "vertex 0"}})
-    EXPECT_EQ(open_error({archive(map(bad), 0)}), fmt::format("a.npz, array 'merged', {}: {}", where, no_map));
+    EXPECT_EQ(open_error({archive(map(bad), 0)}),
+              fmt::format("a.npz, array 'merged', {}: {}", where, no_map));
   for (const std::string& bad :
        {map({0, 1}), npy("<f8", "7,", array<double>({0, 1, 2, 1, 4, 2, 6})), npy("<i8", "7, 1", array(good))})
     EXPECT_THAT(open_error({archive(bad, 0)}),
