@@ -38,7 +38,14 @@ class FoldproofContact(bpy.types.PropertyGroup):
     point: FloatVectorProperty(size=3)
     normal: FloatVectorProperty(size=3)  # the direction out
     size: FloatProperty()  # of its box
+    still_a: BoolProperty(name="May Not Move", description="Repair leaves this part as it is")
+    still_b: BoolProperty(name="May Not Move", description="Repair leaves this part as it is")
     gone: BoolProperty()  # a repair took it out, in copies of its objects
+
+    def parts(self):
+        """Its sides that are vertex groups, each once, as the names of properties: that of the group and that it is still."""
+        one = (self.object_a, self.part_a) == (self.object_b, self.part_b)
+        return [(f"part_{side}", f"still_{side}") for side in ("a" if one else "ab") if getattr(self, f"part_{side}")]
 
     def frames(self):
         return f"{self.first:.4g}" if self.first == self.last else f"{self.first:.4g}-{self.last:.4g}"
@@ -137,13 +144,25 @@ def names_in_files(contact, sampled):
     return names
 
 
+def active(settings):
+    """The contact that is chosen in the list, or None."""
+    return settings.contacts[settings.contact] if 0 <= settings.contact < len(settings.contacts) else None
+
+
+def still_parts(settings, sampled):
+    """Names in files of the parts of the active contact that may not move."""
+    contact = active(settings)
+    if not contact or not any(getattr(contact, still) for _, still in contact.parts()):
+        return []
+    names = dict(zip(("still_a", "still_b"), names_in_files(contact, sampled)))
+    return [names[still] for _, still in contact.parts() if getattr(contact, still)]
+
+
 def are_several(settings):
     """Whether the program repairs more contacts than the active one by its names: those of an object without parts with
     itself."""
-    if not 0 <= settings.contact < len(settings.contacts):
-        return False
-    active = settings.contacts[settings.contact]
-    return not active.named and sum(each.name == active.name for each in settings.contacts) > 1
+    contact = active(settings)
+    return bool(contact) and not contact.named and sum(each.name == contact.name for each in settings.contacts) > 1
 
 
 def _name_of(contact, sampled):
@@ -195,9 +214,9 @@ def clear(scene):
 
 def show(settings, context):
     """Goes to the worst frame of the active contact, and aims the 3D views at it, with marks in color."""
-    if not 0 <= settings.contact < len(settings.contacts):
+    contact = active(settings)
+    if not contact:
         return
-    contact = settings.contacts[settings.contact]
     motion.set_time(context.scene, contact.worst)
     for area in context.screen.areas if context.screen else ():
         if area.type == "VIEW_3D":

@@ -191,18 +191,17 @@ class FOLDPROOF_OT_repair_contact(Job, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        settings = context.scene.foldproof
-        if not 0 <= settings.contact < len(settings.contacts):
+        contact = contacts.active(context.scene.foldproof)
+        if not contact:
             cls.poll_message_set("Choose a contact in the list first")
             return False
-        if settings.contacts[settings.contact].gone:
+        if contact.gone:
             cls.poll_message_set("It is gone; check again to see what the copies do")
             return False
         return super().poll(context)
 
     def start(self, context, executable):
-        settings = context.scene.foldproof
-        return jobs.repair(context, executable, settings.contacts[settings.contact])
+        return jobs.repair(context, executable, contacts.active(context.scene.foldproof))
 
 
 class FOLDPROOF_OT_before_after(bpy.types.Operator):
@@ -315,14 +314,9 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         if settings.contacts:
             rows = min(max(len(settings.contacts), 2), 6)
             layout.template_list("FOLDPROOF_UL_contacts", "", settings, "contacts", settings, "contact", rows=rows)
-            if 0 <= settings.contact < len(settings.contacts):
-                active = settings.contacts[settings.contact]
-                wrapped(layout, active.in_words(context.scene.unit_settings), "NONE", context)
-        column = layout.column()
-        column.use_property_split = False
-        column.label(text="May Not Move")
-        for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
-            column.prop(each, "foldproof_collider", text=each.name)
+        contact = contacts.active(settings)
+        if contact:
+            wrapped(layout, contact.in_words(context.scene.unit_settings), "NONE", context)
         column = layout.column(align=True)
         column.operator("foldproof.repair", icon="MODIFIER")
         only = "Repair Only These" if contacts.are_several(settings) else "Repair Only This"
@@ -330,7 +324,31 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         if copies := repaired.copies_of(context.view_layer):
             after = any(each.visible_get() for each in copies)
             layout.operator("foldproof.before_after", text="Show Before" if after else "Show After", icon="HIDE_OFF")
-        layout.separator()
+
+
+class FOLDPROOF_PT_still(bpy.types.Panel):
+    bl_label = "May Not Move"
+    bl_parent_id = "FOLDPROOF_PT_panel"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+
+    def draw(self, context):
+        layout = self.layout
+        for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
+            layout.prop(each, "foldproof_collider", text=each.name)
+        contact = contacts.active(context.scene.foldproof)
+        for part, still in contact.parts() if contact else ():
+            layout.prop(contact, still, text=getattr(contact, part))
+
+
+class FOLDPROOF_PT_marks(bpy.types.Panel):
+    bl_label = "Marks"
+    bl_parent_id = "FOLDPROOF_PT_panel"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+
+    def draw(self, _context):
+        layout = self.layout
         row = layout.row(align=True)
         row.operator("screen.marker_jump", text="Previous", icon="PREV_KEYFRAME").next = False
         row.operator("screen.marker_jump", text="Next", icon="NEXT_KEYFRAME").next = True
@@ -395,6 +413,8 @@ _classes = (
     FOLDPROOF_OT_clear,
     FOLDPROOF_UL_contacts,
     FOLDPROOF_PT_panel,
+    FOLDPROOF_PT_still,
+    FOLDPROOF_PT_marks,
     FOLDPROOF_PT_models,
 )
 

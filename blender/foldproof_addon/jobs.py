@@ -186,7 +186,7 @@ def _left_out(context):
 
 def repair(context, executable, contact=None):
     """Makes copies of the selected meshes that touch nothing over the scene's frames, or in which only a contact of the
-    list is gone. Colliders stay as they are, and so does what need not move."""
+    list is gone. Colliders stay as they are, parts of the list's active contact that are ticked, and what need not move."""
     scene, settings = context.scene, context.scene.foldproof
     objects, frames = meshes_to_check(context), frames_of(scene)
     movable = [each for each in objects if not each.foldproof_collider]
@@ -202,19 +202,24 @@ def repair(context, executable, contact=None):
         sampled = yield from motion.sample(scene, objects, times if len(times) > 1 else times * 2, folder)
         answer, caches = folder / "answer.json", {}
         arguments = [executable, "repair", *(each.path for each in sampled), "--json", str(answer)]
+        still = contacts.still_parts(settings, sampled)
         for each in sampled:
-            if each.object in movable:
+            if each.object in movable and not (each.part_names and set(each.part_names.values()) <= set(still)):
                 made = folder / f"repaired-{len(caches)}.obj"
                 caches[each] = made.with_suffix(".pc2")
                 arguments += ["-o", str(made)]
             else:
                 arguments += ["--fixed", each.path]
+        if not caches:
+            raise Problem("All parts may not move: untick one")
         for model in models:
             arguments += ["--model", model]
         if settings.thickness > 0:
             arguments += ["--thickness", repr(settings.thickness)]
         if contact is not None:
             arguments += ["--contact", *contacts.names_in_files(contact, sampled)]
+        for part in still:
+            arguments += ["--fixed", part]
         arguments += _ignored_paths(ignored, sampled) + _unit(scene)
         yield from _run(sampled, arguments, folder, "Repairing")
         report = program.read_report(answer)

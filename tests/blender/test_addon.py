@@ -759,8 +759,8 @@ class Addon(unittest.TestCase):
         self.settings.contact = 0
         self.settings.message = "what was found " * 5
         bpy.context.preferences.addons[NAME].preferences.program = "/nowhere/foldproof"
-        addon("interface").FOLDPROOF_PT_panel.draw(panel, context)
-        addon("interface").FOLDPROOF_PT_models.draw(panel, context)
+        for name in ("panel", "still", "marks", "models"):
+            getattr(addon("interface"), f"FOLDPROOF_PT_{name}").draw(panel, context)
         self.assertIn("'/nowhere/foldproof' is not", "".join(drawn))
         self.assertEqual([text for text in drawn if text in ("Floor - Strip", "touches")], ["Floor - Strip", "touches"])
         self.assertIn("Floor - Strip: frame 6.25, touches", " ".join("".join(drawn).split()))
@@ -850,6 +850,31 @@ class Addon(unittest.TestCase):
         bpy.ops.foldproof.repair_contact()
         self.assertRegex(self.settings.message, "^Proven: nothing touches.*Made Tube repaired, and hid")
         self.assertTrue(all(each.gone for each in self.settings.contacts))
+
+    def test_parts_that_stay(self):
+        """Of a tube that is folded onto itself only the upper half gives way, then only the lower one."""
+        tube = bending_tube()
+        lower = [v.index for v in tube.data.vertices if v.co.z < 1.5]
+        upper = [v.index for v in tube.data.vertices if v.co.z > 2.5]
+        bpy.ops.foldproof.check()
+        self.settings.contact = 0
+        contact = self.settings.contacts[0]
+        for still, moves in (("lower", upper), ("upper", lower)):
+            for part, name in contact.parts():
+                setattr(contact, name, getattr(contact, part) == still)
+            bpy.ops.foldproof.repair_contact()
+            self.assertRegex(self.settings.message, "^Proven: nothing touches")
+            self.scene.frame_set(11)
+            shift = np.abs(self.positions(bpy.data.objects["Tube repaired"]) - self.positions(tube)).max(axis=1)
+            self.assertLess(shift[upper if moves is lower else lower].max(), 1e-5)
+            self.assertGreater(shift[moves].max(), 0.05)
+            bpy.ops.foldproof.before_after()
+            bpy.data.objects.remove(bpy.data.objects["Tube repaired"])
+            contact = self.settings.contacts[0]
+            contact.gone = False
+        for _, name in contact.parts():
+            setattr(contact, name, True)
+        self.fails(bpy.ops.foldproof.repair_contact, "All parts may not move: untick one")
 
     def test_one_contact_after_the_other_in_copies(self):
         """A copy has no armature, and the parts that its original has."""
