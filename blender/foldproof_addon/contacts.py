@@ -232,4 +232,4 @@ def aim(view, contact):
     if out.dot(to_viewer) < 0.5:  # it is seen from behind, or from the side
         view.view_rotation = out.to_track_quat("Z", "Y")
     view.view_location = contact.point
-    view.view_distance = max(3 * contact.size, 1e-3)
+    view.view_distance = max(4 * contact.size, 1e-3)

@@ -3,6 +3,7 @@
 import re
 
 import bpy
+import mathutils
 import numpy as np
 
 from . import marks, motion
@@ -28,8 +29,15 @@ def add(sampled, times, poses):
         original.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
     marks.clear(mesh)
-    mesh.name = _name_of_copy(original.data)
-    made = bpy.data.objects.new(_name_of_copy(original), mesh)
+    mesh.name = _name_of_copy(original.data, bpy.data.meshes)
+    name = _name_of_copy(original, bpy.data.objects)
+    made = original.copy()  # with its materials, its color, what sees it
+    made.animation_data_clear()
+    made.modifiers.clear()
+    made.constraints.clear()
+    made.parent = None
+    made.matrix_world = mathutils.Matrix()
+    made.data, made.name = mesh, name
     made.foldproof_original = original
     for group in [g for g in made.vertex_groups if g.name.startswith(marks.PREFIX)]:
         made.vertex_groups.remove(group)
@@ -42,9 +50,14 @@ def add(sampled, times, poses):
     return made
 
 
-def _name_of_copy(datablock):
-    """Also for what is a copy already."""
-    return re.sub(r" repaired(\.\d+)?$", "", datablock.name) + " repaired"
+def _name_of_copy(datablock, others):
+    """A name that none of the others has; also for what is a copy already."""
+    base = name = re.sub(r" repaired(\.\d+)?$", "", datablock.name) + " repaired"
+    number = 0
+    while name in others:
+        number += 1
+        name = f"{base}.{number:03}"
+    return name
 
 
 def _key(made, times, poses):

@@ -815,6 +815,38 @@ class Addon(unittest.TestCase):
         self.assertNotIn("Ball repaired", bpy.data.objects)
         self.assertFalse(bpy.data.objects["Ball"].hide_render)
 
+    def test_a_copy_looks_as_its_original(self):
+        """Parented, scaled, with modifiers, constraints and materials of its own, in a collection."""
+        box, ball = ball_in_box()
+        box.foldproof_collider = True
+        ball.data.materials.append(bpy.data.materials.new("of the mesh"))
+        ball.data.uv_layers.new(name="Map")
+        ball.material_slots[0].link = "OBJECT"
+        ball.material_slots[0].material = bpy.data.materials.new("of the object")
+        ball.color, ball.pass_index, ball["mine"] = (1, 0, 0, 1), 7, 5
+        ball.data.polygons.foreach_set("use_smooth", [True] * len(ball.data.polygons))
+        parent = bpy.data.objects.new("Parent", None)
+        home = bpy.data.collections.new("Home")
+        self.scene.collection.children.link(home)
+        home.objects.link(parent)
+        home.objects.link(ball)
+        bpy.context.collection.objects.unlink(ball)
+        ball.parent, parent.scale = parent, (0.8, 0.9, 1)
+        ball.delta_location.x = 0.1
+        ball.constraints.new("LIMIT_LOCATION")
+        ball.modifiers.new("Finer", "SUBSURF")
+        self.assertEqual(bpy.ops.foldproof.repair(), {"FINISHED"})
+        copy = bpy.data.objects["Ball repaired"]
+        self.assertEqual(copy.material_slots[0].material.name, "of the object")
+        self.assertEqual((tuple(copy.color), copy.pass_index, copy["mine"]), ((1, 0, 0, 1), 7, 5))
+        self.assertEqual([layer.name for layer in copy.data.uv_layers], ["Map"])
+        self.assertTrue(all(polygon.use_smooth for polygon in copy.data.polygons))
+        self.assertEqual([each.name for each in copy.users_collection], ["Home"])
+        self.assertEqual((copy.parent, len(copy.modifiers), len(copy.constraints)), (None, 0, 0))
+        self.scene.frame_set(1)
+        np.testing.assert_allclose(self.positions(copy), self.positions(ball), atol=0.02)
+        self.assertEqual((len(ball.modifiers), ball.parent, ball.data.name), (1, parent, "Ball"))
+
     def test_repair_of_one_contact_leaves_the_others(self):
         """A ball that dips into a box, and a tube beside them that is folded onto itself."""
         box, ball = ball_in_box()
