@@ -280,7 +280,7 @@ class FOLDPROOF_OT_clear(bpy.types.Operator):
 class FOLDPROOF_UL_contacts(bpy.types.UIList):
     def draw_item(self, context, layout, _data, contact, _icon, _active_data, _active_property, _index=0, _flag=0):
         row = layout.split(factor=0.7)
-        row.label(text=shortened(contact.name, int(0.7 * letters_of(context))))
+        row.label(text=shortened(contact.name, int(0.85 * letters_of(context))))
         size = contact.size_text(context.scene.unit_settings) if contact.crosses else "touches"
         row.label(text="gone" if contact.gone else size)
 
@@ -380,7 +380,7 @@ def letters_of(context):
 
 def shortened(names, letters):
     """Two names, "A - B", of which each keeps its beginning and its end; or another text."""
-    sides = names.split(" - ", 1)
+    sides = names.split(" - ", 1) if len(names) <= letters else re.split(r" - | with (?=itself$)", names, 1)
     room = letters - 3 * (len(sides) - 1)
     lengths = [min(len(side), max(room // len(sides), room - sum(map(len, sides)) + len(side))) for side in sides]
     middle = lambda text, n: text if len(text) <= n else f"{text[: n - 1 - n // 2]}\N{HORIZONTAL ELLIPSIS}{text[len(text) - n // 2 :]}"

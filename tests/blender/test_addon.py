@@ -774,7 +774,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(shortened("Skeleton_arm_1 - Leg", 14), "Ske…rm_1 - Leg")
         self.assertEqual(shortened("Leg - Skeleton_arm_1", 14), "Leg - Ske…rm_1")
         self.assertEqual(shortened("Skeleton_arm_1 - Skeleton_arm_2", 15), "Sk…m_1 - Sk…m_2")
-        self.assertEqual(shortened("Skeleton_arm_1 with itself", 13), "Skelet…itself")
+        self.assertEqual(shortened("Skeleton_arm_1 with itself", 15), "Sk…m_1 - itself")
 
     def test_repair_makes_a_copy_that_touches_nothing(self):
         box, ball = ball_in_box()
