@@ -195,7 +195,8 @@ def repair(context, executable, contact=None):
     left_out = _left_out(context)
     ignored = _ignored(settings, objects)
     models = _models(settings, objects)
-    times = _times(scene, frames, settings.samples)
+    thickness, parts = (0, 1) if settings.kind == "POSES" else (settings.thickness, settings.samples)
+    times = _times(scene, frames, parts)
     with tempfile.TemporaryDirectory(prefix="foldproof-") as name:
         folder = pathlib.Path(name)
         # A point cache, which holds what Blender does, single precision, has two frames or more.
@@ -214,8 +215,8 @@ def repair(context, executable, contact=None):
             raise Problem("All parts may not move: untick one")
         for model in models:
             arguments += ["--model", model]
-        if settings.thickness > 0:
-            arguments += ["--thickness", repr(settings.thickness)]
+        if thickness > 0:
+            arguments += ["--thickness", repr(thickness)]
         if contact is not None:
             arguments += ["--contact", *contacts.names_in_files(contact, sampled)]
         for part in still:

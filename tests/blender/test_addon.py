@@ -971,6 +971,14 @@ class Addon(unittest.TestCase):
         bpy.ops.foldproof.check()
         self.assertIn("No collisions", self.settings.message)
         # Those that stay together are one, whatever leaves.
+        bpy.ops.foldproof.before_after()
+        ball.shape_key_add(name="Basis")
+        aside = ball.shape_key_add(name="one face aside")
+        for vertex in ball.data.polygons[100].vertices:
+            aside.data[vertex].co.x += 9
+        key(aside, "value", {1: 0, 11: 1})
+        self.assertEqual(bpy.ops.foldproof.check(), {"FINISHED"})
+        self.assertRegex(self.settings.message, "^Ball and Box go through each other, ")
         first = addon("motion").first_at_same_place
         rows = np.array([[0, 0, 1], [1, 2, 3], [-0.0, 0, 1], [1, 2, 3], [0, 0, 2]])
         np.testing.assert_array_equal(first(rows), [0, 1, 0, 1, 4])
@@ -998,6 +1006,10 @@ class Addon(unittest.TestCase):
 
         # A copy of the copy: the first and the last one are before and after.
         self.settings.thickness = 1
+        self.settings.kind = "POSES"  # in which thickness is not asked for
+        bpy.ops.foldproof.repair()
+        self.assertEqual(self.settings.message, "The motion is as it was: nothing touches")
+        self.settings.kind = "MOTION"
         self.fails(bpy.ops.foldproof.repair, "Thickness: 1 is more than the gaps of Ball repaired itself: ")
         self.settings.thickness = 0.02
         bpy.ops.foldproof.repair()
