@@ -112,12 +112,6 @@ def _side(each, name):
     return each.object.name, next((part for part, written in each.part_names.items() if written == name), "")
 
 
-def _is_or_copies(scene_object, name):
-    while scene_object and scene_object.name != name:
-        scene_object = scene_object.foldproof_original
-    return bool(scene_object)
-
-
 def note_gone(scene, sampled, still):
     """Notes which contacts of the list are gone. `still`: those that are not, as in the report of a repair."""
     pairs = []
@@ -135,7 +129,7 @@ def names_in_files(contact, sampled):
     """The two names that the program knows the sides of a contact by."""
     names = []
     for scene_object, part in ((contact.object_a, contact.part_a), (contact.object_b, contact.part_b)):
-        each = next((each for each in sampled if _is_or_copies(each.object, scene_object)), None)
+        each = next((e for e in sampled if scene_object in (e.object.name, motion.first_original(e.object).name)), None)
         if each is None:
             raise Problem(f"{scene_object} is not selected: select it, or check what is selected")
         if part and part not in each.part_names:

@@ -56,19 +56,26 @@ def numbered_polygons(meshes):
             mesh.update()
 
 
-def parts_of(scene_object, mesh, triangles):
-    """The name of the vertex group with the most weight in each triangle, of those that bones move if there are such (in
-    the original of a repaired copy, which has no modifiers); the object's name where there is none. None: the groups tell
-    nothing apart."""
-    rigged = scene_object
-    while rigged.foldproof_original:
-        rigged = rigged.foldproof_original
-    bones = {
+def first_original(scene_object):
+    """What it was copied from by repairs; it has the modifiers and the name. Itself if it is no copy."""
+    while scene_object.foldproof_original:
+        scene_object = scene_object.foldproof_original
+    return scene_object
+
+
+def bones_of(scene_object):
+    return {
         bone.name
-        for modifier in rigged.modifiers
+        for modifier in first_original(scene_object).modifiers
         if modifier.type == "ARMATURE" and modifier.object
         for bone in modifier.object.data.bones
     }
+
+
+def parts_of(scene_object, mesh, triangles):
+    """The name of the vertex group with the most weight in each triangle, of those that bones move if there are such; the
+    object's name where there is none. None: the groups tell nothing apart."""
+    bones = bones_of(scene_object)
     named = {g.index: g.name for g in scene_object.vertex_groups if not g.name.startswith(marks.PREFIX)}
     if bones & set(named.values()):
         named = {index: name for index, name in named.items() if name in bones}
@@ -81,7 +88,7 @@ def parts_of(scene_object, mesh, triangles):
             if group.group in column:
                 weights[vertex.index, column[group.group]] = group.weight
     sums = sum(weights[triangles[:, k]] for k in range(3))
-    names = np.array([*named.values(), scene_object.name])
+    names = np.array([*named.values(), first_original(scene_object).name])
     parts = names[np.where(sums.max(axis=1) > 0, sums.argmax(axis=1), len(named))]
     return parts if len(set(parts)) > 1 else None
 
@@ -180,11 +187,14 @@ class Sampled:
 
 
 def _tell_parts_apart(sampled):
-    """Gives parts of one name in several objects a name each."""
+    """Of several objects, gives parts whose names do not say of which they are, which others have or which are no bones',
+    its name, too."""
     for each in sampled:
         others = {name for other in sampled if other is not each for name in other.part_names}
-        for name in others & set(each.part_names):
-            each.part_names[name] = f"{name} of {pathlib.Path(each.path).stem}"
+        clear = bones_of(each.object) | {first_original(each.object).name}
+        for name in each.part_names:
+            if name in others or (len(sampled) > 1 and name not in clear):
+                each.part_names[name] = f"{name} of {pathlib.Path(each.path).stem}"
 
 
 def display_names(sampled):

@@ -947,6 +947,25 @@ class Addon(unittest.TestCase):
         bpy.ops.foldproof.repair_contact()
         self.assertRegex(self.settings.message, r"left: (lower|upper) of Tube and (lower|upper) of Tube go.* Made Tube.001 repaired, and")
 
+    def test_parts_that_are_no_bones(self):
+        """Of several objects they have the object's name; a copy has the same parts, also where a face is in none."""
+        box, ball = ball_in_box()
+        ball.vertex_groups.new(name="Pin").add([v.index for v in ball.data.vertices if v.co.z > 0.2], 1, "REPLACE")
+        box.foldproof_collider = True
+        bpy.ops.foldproof.check()
+        self.assertEqual({each.name for each in self.settings.contacts}, {"Ball - Box"})
+        ball.vertex_groups["Pin"].add([v.index for v in ball.data.vertices if v.co.z < -0.2], 1, "REPLACE")
+        bpy.ops.foldproof.check()
+        names = [each.name for each in self.settings.contacts]
+        self.assertIn("Pin of Ball - Box", names)
+        bpy.ops.foldproof.repair()
+        self.settings.thickness = 0.02
+        bpy.ops.foldproof.check()
+        self.assertIn("Pin of Ball repaired - Box", [each.name for each in self.settings.contacts])
+        self.settings.contact = 0
+        bpy.ops.foldproof.repair_contact()
+        self.assertRegex(self.settings.message, "^Proven: ")
+
     def test_vertices_at_one_place_are_one(self):
         """Importers make several of one, for faces that differ in normals or texture coordinates."""
         box, ball = ball_in_box()
