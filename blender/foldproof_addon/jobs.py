@@ -27,11 +27,20 @@ def meshes_to_check(context):
             raise Problem(f"{scene_object.name} is in Edit Mode: leave it first")
         if scene_object.data.library or scene_object.data.override_library:
             raise Problem(f"The mesh of {scene_object.name} is linked from another file: make it local first")
-        for modifier in scene_object.modifiers:
-            # Else it would be computed anew, from what frame and in what state it is now.
-            if modifier.type in {"CLOTH", "SOFT_BODY"} and modifier.show_viewport and not modifier.point_cache.is_baked:
-                raise Problem(f"{modifier.name} of {scene_object.name} is not baked: bake it first (Physics > Cache > Bake)")
+        for name, cache in _simulations(context.scene, scene_object):
+            if not cache.is_baked:  # it would be computed anew, from what frame and in what state it is now
+                raise Problem(f"{name} of {scene_object.name} is not baked: bake it first (Physics or Scene > Cache > Bake)")
     return objects
+
+
+def _simulations(scene, scene_object):
+    """Names and caches of what moves it."""
+    for modifier in scene_object.modifiers:
+        if modifier.type in {"CLOTH", "SOFT_BODY"} and modifier.show_viewport:
+            yield modifier.name, modifier.point_cache
+    body, world = scene_object.rigid_body, scene.rigidbody_world
+    if body and body.type == "ACTIVE" and not body.kinematic and world and world.enabled:
+        yield "Rigid Body", world.point_cache
 
 
 def frames_of(scene):

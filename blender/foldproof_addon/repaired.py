@@ -41,8 +41,11 @@ def add(sampled, times, poses):
     made.foldproof_original = original
     for group in [g for g in made.vertex_groups if g.name.startswith(marks.PREFIX)]:
         made.vertex_groups.remove(group)
-    for collection in original.users_collection:
+    for collection in set(original.users_collection) - set(made.users_collection):
         collection.objects.link(made)
+    if made.rigid_body:  # it is in the world of rigid bodies
+        with bpy.context.temp_override(object=made, active_object=made):
+            bpy.ops.rigidbody.object_remove()
     mesh.vertices.foreach_set("co", poses[0].ravel())
     if len(times) > 1:
         _key(made, times, poses)

@@ -581,6 +581,29 @@ class Addon(unittest.TestCase):
         bpy.ops.foldproof.check()
         self.assertEqual(markers(), {})  # it falls by itself, slower than its keys would move it
 
+    def test_rigid_bodies(self):
+        """A ball that falls through a floor; its copy is none."""
+        vertices, faces = grid(4, -1, 1, -1, 1)
+        floor = new_object("Floor", vertices, faces)
+        bpy.ops.mesh.primitive_uv_sphere_add(radius=0.5, location=(0.1, 0.2, 1))
+        ball = bpy.context.object
+        ball.name = "Ball"
+        bpy.ops.rigidbody.object_add()
+        floor.select_set(True)
+        self.fails(bpy.ops.foldproof.check, "Rigid Body of Ball is not baked: bake it first")
+        cache = self.scene.rigidbody_world.point_cache
+        cache.frame_start, cache.frame_end = 1, 11
+        with bpy.context.temp_override(scene=self.scene, point_cache=cache):
+            bpy.ops.ptcache.bake(bake=True)
+        bpy.ops.foldproof.check()
+        self.assertRegex(self.settings.message, "^Ball and Floor go through each other")
+        bpy.ops.foldproof.repair()
+        copy = bpy.data.objects["Ball repaired"]
+        self.assertEqual((copy.rigid_body, [c.name for c in copy.users_collection]), (None, [bpy.context.collection.name]))
+        self.assertEqual(ball.rigid_body.type, "ACTIVE")
+        bpy.ops.foldproof.check()
+        self.assertIn("No collisions", self.settings.message)
+
     def test_says_what_was_left_out(self):
         two_planes()
         self.scene.frame_step = 5
