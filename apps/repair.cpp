@@ -31,7 +31,7 @@ Examples:
   foldproof repair walk.glb --thickness 0.002 --falloff 0.05 -o apart.npz --report apart.html)";
 
 struct RepairArguments : StepArguments {
-  std::vector<std::string> outputs, fixed, only, start;
+  std::vector<std::string> outputs, fixed, fixed_vertices, only, start;
   std::vector<std::pair<std::string, std::string>> contacts;
   std::string json, page, command, unit;
   double falloff = 0;
@@ -40,21 +40,46 @@ struct RepairArguments : StepArguments {
 };
 
 Result<void> nothing_may_move(const RepairArguments& a) {
-  const std::string fixed = fmt::format("--fixed {}", fmt::join(a.fixed, " --fixed "));
+  const std::string fixed =
+      a.fixed.empty() ? "--fixed-vertices" : fmt::format("--fixed {}", fmt::join(a.fixed, " --fixed "));
   if (a.only.empty())
     return fail(ErrorCode::InvalidArgument, fixed, "leaves nothing that may move", "leave one of these out");
   return fail(ErrorCode::InvalidArgument, fixed, "fixes all that --only lets move",
               "leave out one or the other");
 }
 
+Result<void> require_one_each(const char* option, const std::vector<std::string>& given, Motions motions) {
+  if (given.empty() || given.size() == motions.size()) return {};
+  return fail(
+      ErrorCode::InvalidArgument, option,
+      fmt::format("is given {} for {}", how_often_given(given.size()), counted(motions.size(), "object")),
+      "give it once for each object, in order");
+}
+
+// Per object.
+Result<std::vector<std::vector<Index>>> read_fixed_vertices(const RepairArguments& a, Motions motions) {
+  std::vector<std::vector<Index>> fixed;
+  FOLDPROOF_TRY(require_one_each("--fixed-vertices", a.fixed_vertices, motions));
+  for (std::size_t i = 0; i < a.fixed_vertices.size(); ++i) {
+    const NumberTable table = FOLDPROOF_TRY(read_csv(a.fixed_vertices[i]));
+    const Index vertices = motions[i]->topology().vertex_count();
+    if (table.values.size() != vertices)
+      return fail(
+          ErrorCode::InvalidFile, a.fixed_vertices[i],
+          fmt::format("has {} for {} vertices", counted(table.values.size(), "number"), grouped(vertices)),
+          "give a number for each vertex, not 0 if it may not move");
+    auto& of_object = fixed.emplace_back();
+    for (Index v = 0; v < vertices; ++v) {
+      if (table.values[v] != 0) of_object.push_back(v);
+    }
+  }
+  return fixed;
+}
+
 Result<std::vector<double>> read_start(const RepairArguments& a, Motions motions) {
   std::vector<double> start;
+  FOLDPROOF_TRY(require_one_each("--start", a.start, motions));
   if (a.start.empty()) return start;
-  if (a.start.size() != motions.size())
-    return fail(
-        ErrorCode::InvalidArgument, "--start",
-        fmt::format("is given {} for {}", how_often_given(a.start.size()), counted(motions.size(), "object")),
-        "give it once for each object, in order");
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const auto poses = FOLDPROOF_TRY(read_motions({&a.start[i], 1}, a.motion.read, a.quiet));
     if (poses.size() != 1 || poses[0]->topology() != motions[i]->topology())
@@ -143,6 +168,7 @@ Result<int> run_repair(const RepairArguments& a) {
   request.repair.keep = a.keep;
   request.repair.in_betweens = a.in_betweens;
   request.repair.start = FOLDPROOF_TRY(read_start(a, motions));
+  request.fixed_vertices = FOLDPROOF_TRY(read_fixed_vertices(a, motions));
   const auto movable = FOLDPROOF_TRY(movable_objects(motions, request));
   const auto frames = FOLDPROOF_TRY(frames_to_check(motions, settings));
   if (movable.empty()) FOLDPROOF_TRY(nothing_may_move(a));
@@ -213,6 +239,14 @@ Command add_repair(CommandLine& program, std::span<char* const> arguments) {
       .add_option("--fixed", a->fixed,
                   "An object or part that may not move, by name; several times for several")
       .type_name("NAME")
+      .one_value_each_time()
+      .group(group);
+  a->files
+      .reads(command.add_option(
+          "--fixed-vertices", a->fixed_vertices,
+          "Vertices that may not move: a text file with a number for each vertex, not 0 for "
+          "these; once for each object"))
+      .type_name("FILE")
       .one_value_each_time()
       .group(group);
   command.add_option("--only", a->only, "An object or part that may move; then no other may")

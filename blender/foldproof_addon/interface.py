@@ -335,7 +335,10 @@ class FOLDPROOF_PT_still(bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
-            layout.prop(each, "foldproof_collider", text=each.name)
+            row = layout.row()
+            row.prop(each, "foldproof_collider", text=each.name)
+            if each.vertex_groups and not each.foldproof_collider:
+                row.prop_search(each, "foldproof_still", each, "vertex_groups", text="")
         contact = contacts.active(context.scene.foldproof)
         for part, still in contact.parts() if contact else ():
             layout.prop(contact, still, text=getattr(contact, part))
@@ -423,6 +426,9 @@ def register():
     for each in _classes:
         bpy.utils.register_class(each)
     bpy.types.Scene.foldproof = PointerProperty(type=FoldproofSettings)
+    bpy.types.Object.foldproof_still = StringProperty(
+        name="Vertex Group", description="Repair leaves vertices of this group as they are whose weight is above 0.5"
+    )
     bpy.types.Object.foldproof_original = PointerProperty(type=bpy.types.Object)
     bpy.types.Object.foldproof_collider = BoolProperty(
         name="May Not Move", description="Repair moves others away from this object, and leaves it as it is"
@@ -432,6 +438,7 @@ def register():
 def unregister():
     del bpy.types.Object.foldproof_collider
     del bpy.types.Object.foldproof_original
+    del bpy.types.Object.foldproof_still
     del bpy.types.Scene.foldproof
     for each in reversed(_classes):
         bpy.utils.unregister_class(each)

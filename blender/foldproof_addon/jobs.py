@@ -214,14 +214,15 @@ def repair(context, executable, contact=None):
         arguments = [executable, "repair", *(each.path for each in sampled), "--json", str(answer)]
         still = contacts.still_parts(settings, sampled)
         for each in sampled:
-            if each.object in movable and not (each.part_names and set(each.part_names.values()) <= set(still)):
+            all_parts = each.part_names and set(each.part_names.values()) <= set(still)
+            if each.object in movable and not all_parts and (each.still is None or not each.still.all()):
                 made = folder / f"repaired-{len(caches)}.obj"
                 caches[each] = made.with_suffix(".pc2")
                 arguments += ["-o", str(made)]
             else:
                 arguments += ["--fixed", each.path]
         if not caches:
-            raise Problem("All parts may not move: untick one")
+            raise Problem("Nothing may move: untick a part, or choose other vertex groups")
         for model in models:
             arguments += ["--model", model]
         if thickness > 0:
@@ -230,6 +231,7 @@ def repair(context, executable, contact=None):
             arguments += ["--contact", *contacts.names_in_files(contact, sampled)]
         for part in still:
             arguments += ["--fixed", part]
+        arguments += _still_vertices(sampled, folder)
         arguments += _ignored_paths(ignored, sampled) + _unit(scene)
         yield from _run(sampled, arguments, folder, "Repairing")
         report = program.read_report(answer)
@@ -250,6 +252,18 @@ def repair(context, executable, contact=None):
         return text
     made = _count(copies, "copy", "copies") if len(copies) > 3 else ", ".join(each.name for each in copies)
     return f"{text}. Made {made}, and hid {'the original' if len(copies) == 1 else 'the originals'}"
+
+
+def _still_vertices(sampled, folder):
+    """The option for vertices that may not move; none if all may."""
+    if all(each.still is None for each in sampled):
+        return []
+    arguments = []
+    for number, each in enumerate(sampled):
+        path = folder / f"still-{number}.csv"
+        np.savetxt(path, np.zeros(each.vertex_count) if each.still is None else each.still, fmt="%d")
+        arguments += ["--fixed-vertices", str(path)]
+    return arguments
 
 
 def _count(things, one, many):

@@ -93,6 +93,14 @@ def parts_of(scene_object, mesh, triangles):
     return parts if len(set(parts)) > 1 else None
 
 
+def still_vertices(scene_object, mesh):
+    """Of each vertex, whether its weight in the vertex group that may not move is above a half. None: no group is chosen."""
+    group = scene_object.vertex_groups.get(scene_object.foldproof_still)
+    if not group:
+        return None
+    return np.array([any(g.group == group.index and g.weight > 0.5 for g in v.groups) for v in mesh.vertices], bool)
+
+
 def first_at_same_place(positions):
     """Of each vertex, the first one at its place."""
     _, first, place = np.unique(positions + 0.0, axis=0, return_index=True, return_inverse=True)  # -0 is 0
@@ -114,6 +122,7 @@ class Sampled:
     """One object: its triangles, their polygons in the object's own mesh, and the file that is being written.
 
     part_names: of each vertex group that is a part, what it is called in the file; empty if the object has no parts.
+    still: of each vertex, whether it may not move in a repair; None: all may.
     merged: of each vertex, the first one that is at its place in all poses. Importers put several vertices there, for faces
     with other normals or texture coordinates, and what meets there is one surface.
     """
@@ -132,6 +141,7 @@ class Sampled:
             self._faces = faces_of(mesh)
             self.vertex_count = len(mesh.vertices)
             self._parts = parts_of(scene_object, mesh, self.triangles)
+            self.still = still_vertices(scene_object, mesh)
         self.part_names = {} if self._parts is None else {str(name): str(name) for name in np.unique(self._parts)}
         self._own_faces = faces_of(scene_object.data)
         self._vertices = None

@@ -353,6 +353,7 @@ def repair(
     thickness: float,
     falloff: float,
     fixed: Sequence[str],
+    fixed_vertices: Sequence[Sequence[int]],
     only: Sequence[str],
     ignore: Sequence[tuple[str, str]],
     contacts: Sequence[tuple[str, str]],

@@ -64,6 +64,7 @@ def repair(
     thickness: float = 0,
     falloff: float = 0,
     fixed: Sequence[str] = (),
+    fixed_vertices: Sequence[ArrayLike] = (),
     only: Sequence[str] = (),
     ignore: Sequence[tuple[str, str]] = (),
     contacts: Sequence[tuple[str, str]] = (),
@@ -78,20 +79,23 @@ def repair(
 
     motions: a Motion, or several that move together (a list). thickness: nothing comes as close as this, mesh units.
     falloff: how far along the surface a correction spreads, mesh units; 0: a twentieth of the size. fixed: names of
-    objects (Motion.name) or parts that may not move. only: those that may; then no others do. ignore: pairs of names
-    that may touch; ('a', 'a'): a with itself. contacts: pairs of names; only contacts between the two of a pair are
-    repaired, all others are left. Empty: all are repaired. frames: a slice or 'A:B', without gaps; None for all. start:
-    positions (V x 3, of all objects one after the other) that touch nothing, from which the first frame is approached;
-    None: a frame that is free, or one that can be untangled. models: one per motion (foldproof.train), None for motions
-    without one: where no frame is free, a repair may start in one of their training poses. single_precision: positions
-    are rounded to float32 before they are proven, for files that hold no more. calm: a second pass makes corrections
-    calm in time. progress: called with the share that is done. Ctrl-C cancels it. Error: motions that do not fit
-    together, a name that is neither an object's nor a part's, a thickness that the mesh itself does not keep, nothing
-    that may move, a start that touches itself, a model of another mesh or that has learned no shapes.
+    objects (Motion.name) or parts that may not move. fixed_vertices: ids of vertices that may not, an array for each
+    motion; empty: all may. only: names of those that may; then no others do. ignore: pairs of names that may touch;
+    ('a', 'a'): a with itself. contacts: pairs of names; only contacts between the two of a pair are repaired, all others
+    are left. Empty: all are repaired. frames: a slice or 'A:B', without gaps; None for all. start: positions (V x 3, of
+    all objects one after the other) that touch nothing, from which the first frame is approached; None: a frame that is
+    free, or one that can be untangled. models: one per motion (foldproof.train), None for motions without one: where no
+    frame is free, a repair may start in one of their training poses. single_precision: positions are rounded to float32
+    before they are proven, for files that hold no more. calm: a second pass makes corrections calm in time. progress:
+    called with the share that is done. Ctrl-C cancels it. Error: motions that do not fit together, a name that is
+    neither an object's nor a part's, a vertex that does not exist, a thickness that the mesh itself does not keep,
+    nothing that may move, a start that touches itself, a model of another mesh or that has learned no shapes.
     """
     begin = [] if start is None else np.asarray(start, dtype=float).ravel().tolist()
+    vertices = [np.asarray(each, dtype=np.int64).ravel().tolist() for each in fixed_vertices]
     found = _core.repair(
-        motions, thickness=thickness, falloff=falloff, fixed=list(fixed), only=list(only), ignore=list(ignore),
+        motions, thickness=thickness, falloff=falloff, fixed=list(fixed), fixed_vertices=vertices, only=list(only),
+        ignore=list(ignore),
         contacts=list(contacts), frames=frames, start=begin, models=models, single_precision=single_precision, calm=calm,
         progress=progress,
     )  # fmt: skip

@@ -59,8 +59,8 @@ py::dict fields_of(const RepairedMotions& done, Motions motions, const RepairReq
 void bind_repair(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(RepairedRow, time, correction, late, limit);
   const auto repair = [](const py::object& motions, double thickness, double falloff,
-                         std::vector<std::string> fixed, std::vector<std::string> only,
-                         std::vector<std::array<std::string, 2>> ignore,
+                         std::vector<std::string> fixed, std::vector<std::vector<Index>> fixed_vertices,
+                         std::vector<std::string> only, std::vector<std::array<std::string, 2>> ignore,
                          std::vector<std::array<std::string, 2>> contacts, const py::object& frames,
                          std::vector<double> start, const py::object& models, bool single_precision,
                          bool calm, const py::object& progress) {
@@ -76,6 +76,7 @@ void bind_repair(py::module_& module) {
     request.repair.calm = calm;
     request.fixed = std::move(fixed);
     request.only = std::move(only);
+    request.fixed_vertices = std::move(fixed_vertices);
     request.between = std::move(contacts);
     std::optional<RepairedMotions> done;
     run_long(progress, [&](LongCall& call) {
@@ -87,9 +88,9 @@ void bind_repair(py::module_& module) {
   };
   // foldproof.repair has the documentation.
   module.def("repair", repair, py::arg("motions"), py::kw_only(), py::arg("thickness"), py::arg("falloff"),
-             py::arg("fixed"), py::arg("only"), py::arg("ignore"), py::arg("contacts"), py::arg("frames"),
-             py::arg("start"), py::arg("models"), py::arg("single_precision"), py::arg("calm"),
-             py::arg("progress"));
+             py::arg("fixed"), py::arg("fixed_vertices"), py::arg("only"), py::arg("ignore"),
+             py::arg("contacts"), py::arg("frames"), py::arg("start"), py::arg("models"),
+             py::arg("single_precision"), py::arg("calm"), py::arg("progress"));
 }
 
 }  // namespace foldproof::python

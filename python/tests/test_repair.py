@@ -47,6 +47,19 @@ def test_what_may_move_and_what_is_ignored():
     assert foldproof.check(kept.motions[0], thickness=0.03).clean
 
 
+def test_vertices_that_stay():
+    motion = sheets([0.3, -0.1, 0.3])
+    still = np.arange(81)  # the lower sheet
+    done = foldproof.repair(motion, fixed_vertices=[still])
+    assert done.free
+    change = np.abs(np.asarray(done.motions[0][1]) - np.asarray(motion[1])).max(axis=1)
+    assert not change[still].any() and change[81:].max() > 0.08
+    with pytest.raises(foldproof.Error, match="fixed_vertices: names vertex 162 of array, which has 162; count them from 0"):
+        foldproof.repair(motion, fixed_vertices=[[162]])
+    with pytest.raises(foldproof.Error, match="fixed_vertices: has 2 lists for 1 objects; give one for each object"):
+        foldproof.repair(motion, fixed_vertices=[[0], [1]])
+
+
 def test_only_what_is_chosen():
     n = 81
     two = sheets([0.3, -0.1, 0.3])

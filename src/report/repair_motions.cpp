@@ -51,6 +51,10 @@ Result<std::vector<std::vector<std::uint8_t>>> movable_vertices(Motions motions,
                                                                 const RepairRequest& request) {
   const auto fixed = FOLDPROOF_TRY(triangles_named(motions, request.check, request.fixed));
   const auto only = FOLDPROOF_TRY(triangles_named(motions, request.check, request.only));
+  if (!request.fixed_vertices.empty() && request.fixed_vertices.size() != motions.size())
+    return fail(ErrorCode::InvalidArgument, "fixed_vertices",
+                fmt::format("has {} lists for {} objects", request.fixed_vertices.size(), motions.size()),
+                "give one for each object");
   std::vector<std::vector<std::uint8_t>> movable;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Topology& topology = motions[i]->topology();
@@ -64,7 +68,13 @@ Result<std::vector<std::vector<std::uint8_t>>> movable_vertices(Motions motions,
     const auto& merged = motions[i]->info().merged;
     const auto one = [&](Index v) { return merged.empty() ? v : merged[v]; };
     if (!request.fixed_vertices.empty()) {
-      for (const Index v : request.fixed_vertices[i]) of[one(v)] = 0;
+      for (const Index v : request.fixed_vertices[i]) {
+        if (v >= of.size())
+          return fail(ErrorCode::InvalidArgument, "fixed_vertices",
+                      fmt::format("names vertex {} of {}, which has {}", v, motions[i]->name(), of.size()),
+                      "count them from 0");
+        of[one(v)] = 0;
+      }
     }
     for (Index v = 0; v < of.size(); ++v) of[v] = of[one(v)];
   }

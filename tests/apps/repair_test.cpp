@@ -179,6 +179,29 @@ TEST(RepairProgram, WhatIsFixedHasNoVertexThatMayMove) {
   }
 }
 
+TEST(RepairProgram, VerticesThatAreNamedStay) {
+  const Workplace place;
+  write_file(place / "a.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3\n");
+  write_file(place / "b.obj", "v 1 1 -1\nv 1 1.2 1\nv 1.2 1 1\nf 1 2 3\n");
+  write_file(place / "none.csv", "0\n0\n0\n");
+  write_file(place / "two.csv", "0\n1\n0.5\n");
+  const auto repair = [&](const std::string& a, const std::string& b, std::vector<std::string> outputs) {
+    outputs.insert(outputs.begin(),
+                   {"repair", "--separate", "a.obj", "b.obj", "--fixed-vertices", a, "--fixed-vertices", b});
+    return run_program(std::move(outputs), {.directory = place.path()});
+  };
+  write_file(place / "all.csv", "1\n1\n1\n");
+  const Outcome done = repair("all.csv", "two.csv", {"-o", "out.obj"});
+  EXPECT_EQ(done.code, 0) << done.err << done.out;
+  EXPECT_THAT(read_file(place / "out.obj"), ::testing::ContainsRegex("\nv 1 1.2 1\nv 1.2 1 1\n"));
+  EXPECT_EQ(repair("none.csv", "two.csv", {"-o", "a-out.obj", "-o", "b-out.obj"}).code, 0);
+  EXPECT_THAT(repair("all.csv", "all.csv", {"-o", "out.obj"}).err,
+              HasSubstr("--fixed-vertices: leaves nothing that may move"));
+  write_file(place / "two.csv", "1\n1\n");
+  EXPECT_THAT(repair("all.csv", "two.csv", {"-o", "out.obj"}).err,
+              HasSubstr("two.csv: has 2 numbers for 3 vertices; give a number for each vertex"));
+}
+
 TEST(RepairProgram, MistakesAreSaidInOneLineAndAtOnce) {
   const Demo demo;
   const std::vector<Mistake> mistakes = {

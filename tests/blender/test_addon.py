@@ -746,6 +746,10 @@ class Addon(unittest.TestCase):
                 getattr(data, name)
                 drawn.append(text)
 
+            def prop_search(self, data, name, of, names, text=""):
+                getattr(data, name)
+                getattr(of, names)
+
             def operator(self, name, text="", icon="NONE"):
                 test.assertIn(icon, icons)
                 module, operator = name.split(".")
@@ -929,7 +933,30 @@ class Addon(unittest.TestCase):
             contact.gone = False
         for _, name in contact.parts():
             setattr(contact, name, True)
-        self.fails(bpy.ops.foldproof.repair_contact, "All parts may not move: untick one")
+        self.fails(bpy.ops.foldproof.repair_contact, "Nothing may move: untick a part, or choose other")
+
+    def test_painted_vertices_stay(self):
+        """Of a ball that dips into a box, which may not move, the upper half, and the subdivided ball's."""
+        box, ball = ball_in_box()
+        box.foldproof_collider = True
+        painted = ball.vertex_groups.new(name="painted")
+        painted.add([v.index for v in ball.data.vertices if v.co.z > 0], 1, "REPLACE")
+        painted.add([v.index for v in ball.data.vertices if v.co.z <= 0], 0.2, "REPLACE")
+        ball.foldproof_still = "painted"
+        for _ in range(2):
+            self.assertEqual(bpy.ops.foldproof.repair(), {"FINISHED"})
+            self.assertRegex(self.settings.message, "^Proven: nothing touches")
+            self.scene.frame_set(6)
+            copy = bpy.data.objects["Ball repaired"]
+            shift = np.abs(self.positions(copy) - self.positions(ball)).max(axis=1)
+            upper = self.positions(ball)[:, 2] > 1.1 + 0.15
+            self.assertLess(shift[upper].max(), 1e-5)
+            self.assertGreater(shift[~upper].max(), 0.3)
+            bpy.ops.foldproof.before_after()
+            bpy.data.objects.remove(copy)
+            ball.modifiers.new("Finer", "SUBSURF")
+        painted.add(range(len(ball.data.vertices)), 1, "REPLACE")
+        self.fails(bpy.ops.foldproof.repair, "Nothing may move: untick a part, or choose other vertex groups")
 
     def test_one_contact_after_the_other_in_copies(self):
         """A copy has no armature, and the parts that its original has."""
