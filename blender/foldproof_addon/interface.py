@@ -279,8 +279,8 @@ class FOLDPROOF_OT_clear(bpy.types.Operator):
 
 class FOLDPROOF_UL_contacts(bpy.types.UIList):
     def draw_item(self, context, layout, _data, contact, _icon, _active_data, _active_property, _index=0, _flag=0):
-        row = layout.split(factor=0.7)
-        row.label(text=shortened(contact.name, int(0.85 * letters_of(context))))
+        row = layout.split(factor=0.66)
+        row.label(text=shortened(contact.name, int(0.7 * letters_of(context))))
         size = contact.size_text(context.scene.unit_settings) if contact.crosses else "touches"
         row.label(text="gone" if contact.gone else size)
 
@@ -335,10 +335,10 @@ class FOLDPROOF_PT_still(bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         for each in sorted((o for o in context.selected_objects if o.type == "MESH"), key=lambda o: o.name):
-            row = layout.row()
-            row.prop(each, "foldproof_collider", text=each.name)
+            column = layout.column(align=True)
+            column.prop(each, "foldproof_collider", text=each.name)
             if each.vertex_groups and not each.foldproof_collider:
-                row.prop_search(each, "foldproof_still", each, "vertex_groups", text="")
+                column.prop_search(each, "foldproof_still", each, "vertex_groups", text="")
         contact = contacts.active(context.scene.foldproof)
         for part, still in contact.parts() if contact else ():
             layout.prop(contact, still, text=getattr(contact, part))
