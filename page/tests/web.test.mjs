@@ -39,6 +39,34 @@ after(async () => {
   removeFolder();
 });
 
+/** Generated data: a triangle that turns about two axes, as GLB. */
+function turningTriangle() {
+  const numbers = [0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0, 0.5, 0, 0, 0, 1, 0.6, 0.48, 0, 0.64]; // positions, times, rotations
+  const json = {
+    asset: { version: '2.0' },
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    accessors: [['VEC3', 3], ['SCALAR', 2], ['VEC4', 2]].map(([type, count], bufferView) => ({ bufferView, componentType: 5126, count, type })),
+    bufferViews: [[0, 36], [36, 8], [44, 32]].map(([byteOffset, byteLength]) => ({ buffer: 0, byteOffset, byteLength })),
+    buffers: [{ byteLength: 4 * numbers.length }],
+    animations: [{ channels: [{ sampler: 0, target: { node: 0, path: 'rotation' } }], samplers: [{ input: 1, output: 2 }] }],
+  };
+  const chunk = (type, bytes) => {
+    const head = Buffer.alloc(8);
+    head.writeUInt32LE(bytes.length, 0);
+    head.write(type, 4, 'latin1');
+    return Buffer.concat([head, bytes]);
+  };
+  const text = JSON.stringify(json);
+  const chunks = Buffer.concat([chunk('JSON', Buffer.from(text.padEnd(4 * Math.ceil(text.length / 4)))), chunk('BIN\0', Buffer.from(Float32Array.from(numbers).buffer))]);
+  const head = Buffer.alloc(12);
+  head.write('glTF', 0, 'latin1');
+  [2, 12 + chunks.length].forEach((number, k) => head.writeUInt32LE(number, 4 + 4 * k));
+  return Buffer.concat([head, chunks]);
+}
+
 /** What answers requests of the program, once it has checked. */
 async function programOf(...args) {
   const served = await view(...args);
@@ -89,6 +117,12 @@ test('answers as the program, bit for bit', async () => {
   await assertSameAnswers(makeSpheres('poses', { frames: 3 }), { static: true }, ['--static']);
   assert.ok((await assertSameAnswers([demo('walk.glb')])) > 100);
   assert.ok((await assertSameAnswers([demo('body.npz'), demo('shirt.npz')])) > 100);
+});
+
+test('reads rotations as the program, bit for bit', async () => {
+  const turning = demo('turning.glb');
+  writeFileSync(turning, turningTriangle());
+  await assertSameAnswers([turning]);
 });
 
 test('answers as the program on a real motion', { skip: !process.env.FOLDPROOF_DATA && 'needs FOLDPROOF_DATA' }, async () => {
