@@ -200,6 +200,7 @@ CommandLine::CommandLine(const std::string& about, const std::string& footer)
   app_->set_version_flag("-V,--version", std::string("foldproof ") + version() + "\n" + build_info(),
                          "Print the version, and how it was built, and exit");
   app_->set_help_flag("-h,--help", "Print this help, and exit");
+  app_->allow_windows_style_options(false);  // a slash begins a path
   app_->require_subcommand(0, 1);  // none is the caller's error, so that unknown words are reported first
   app_->footer(footer);
   app_->add_subcommand(kHelp, "Show the options of a command, with examples: help COMMAND");

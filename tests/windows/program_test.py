@@ -52,7 +52,7 @@ def check_same_answers(folder):
         here, there = answer([HERE], case, folder), answer(EXE, case, folder)
         print("same" if here == there else "DIFFERENT", case, here, there)
         assert here == there
-    for case in (["Größe 中\\Läufer.glb"], [".\\walk.glb"], ["poses\\*.obj", "--static"]):
+    for case in (["Größe 中\\Läufer.glb"], [".\\walk.glb"], ["poses\\*.obj", "--static"], [f"{folder}/walk.glb"]):
         assert run(EXE, "check", *case, "-q", folder=folder).returncode in (0, 1), case
 
 
