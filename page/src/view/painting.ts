@@ -60,7 +60,7 @@ function rangesOf(mask: Uint8Array): string[] {
   return ranges;
 }
 
-/** Paints all vertices of the surface under the pointer that are within a ball around that point. */
+/** Paints all vertices of the surface under the pointer that are within a ball around that point, and the nearest one. */
 export class Brush {
   private readonly ring = el('div', { className: 'brush', hidden: true });
   private readonly vertices: Uint32Array[]; // per object, those of triangles
@@ -145,7 +145,10 @@ export class Brush {
     const radius = painting.radius * stage.pixelAt(hit.point);
     const paints = !(painting.erases || shiftKey || altKey);
     const at = hit.point.clone();
-    for (const v of this.vertices[hit.object]!) if (surface.vertex(v, at).distanceToSquared(hit.point) <= radius * radius) painting.set(hit.object, v, paints);
+    const away = (v: number) => surface.vertex(v, at).distanceToSquared(hit.point);
+    const corners = [...surface.triangles.subarray(3 * hit.face, 3 * hit.face + 3)];
+    painting.set(hit.object, corners.reduce((best, v) => (away(v) < away(best) ? v : best)), paints);
+    for (const v of this.vertices[hit.object]!) if (away(v) <= radius * radius) painting.set(hit.object, v, paints);
     return true;
   }
 }
