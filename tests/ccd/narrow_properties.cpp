@@ -304,7 +304,7 @@ TEST(Closest, AgreesWithTheExactDistance) {
         EXPECT_LE(exact, above * above) << family.name << describe(kind, c.x0, c.x0, {});
         EXPECT_GE(exact, below * below) << family.name << describe(kind, c.x0, c.x0, {});
         const Vec3& d = closest.difference;
-        EXPECT_NEAR(std::hypot(d.x(), d.y(), d.z()), closest.distance, slack) << family.name;
+        EXPECT_NEAR(std::hypot(std::hypot(d.x(), d.y()), d.z()), closest.distance, slack) << family.name;
       }
     }
   }
