@@ -218,8 +218,73 @@ void add_output_options(const Subcommand& command, RepairArguments& a) {
   command.add_flag("--keep", a.keep, "After Ctrl-C, write the frames that are finished");
   command.add_flag("--contacts", a.all_contacts,
                    fmt::format("List all contacts in the summary, not only the {} worst", kFewContacts));
-  command.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]");
+  command.add_option("--unit", a.unit, "What a mesh unit is, such as cm: named beside lengths [m for glTF]")
+      .type_name("NAME");
   command.add_flag("-q,--quiet", a.quiet, "Print nothing but errors");
+}
+
+constexpr const char* kHow = "What may move, and how";
+
+void add_choice_options(const Subcommand& command, RepairArguments& a) {
+  command
+      .add_option("--fixed", a.fixed,
+                  "An object or part that may not move, by name; several times for several")
+      .type_name("NAME")
+      .one_value_each_time()
+      .group(kHow);
+  a.files
+      .reads(command.add_option(
+          "--fixed-vertices", a.fixed_vertices,
+          "Vertices that may not move: a text file with a number for each vertex, not 0 for "
+          "these; once for each object"))
+      .type_name("FILE")
+      .one_value_each_time()
+      .group(kHow);
+  command.add_option("--only", a.only, "An object or part that may move; then no other may")
+      .type_name("NAME")
+      .one_value_each_time()
+      .group(kHow);
+  command
+      .add_option("--contact", a.contacts,
+                  "Repair only contacts of these two objects or parts, by name, and leave all others")
+      .type_name("A B")
+      .one_value_each_time()
+      .group(kHow);
+  command.add_option("--ignore", a.ignore, "Pairs of two objects or parts that may touch, by name")
+      .type_name("A B")
+      .one_value_each_time()
+      .group(kHow);
+}
+
+void add_correction_options(const Subcommand& command, RepairArguments& a) {
+  command
+      .add_option("--falloff", a.falloff,
+                  "How far along the surface a correction spreads, in mesh units [a twentieth of the size]")
+      .type_name("D")
+      .group(kHow);
+  command.add_option("--thickness", a.thickness, "Keep everything farther apart than this, in mesh units [0]")
+      .type_name("D")
+      .group(kHow);
+  a.files
+      .reads(command.add_option(
+          "--start", a.start, "A pose that touches nothing to start from, a mesh file; once for each object"))
+      .type_name("FILE")
+      .one_value_each_time()
+      .group(kHow);
+  a.files
+      .reads(command.add_option("--model", a.models,
+                                "A model from 'foldproof train': where no frame is free, start in one of its "
+                                "poses; one for all objects of its mesh, or one for each object, in order"))
+      .type_name("FILE")
+      .one_value_each_time()
+      .group(kHow);
+  command
+      .add_option("--in-betweens", a.in_betweens,
+                  "Add up to N frames between two where a correction cannot keep up; NPZ has their 'times', "
+                  "in frames, MDD in seconds [0]")
+      .type_name("N")
+      .group(kHow);
+  command.add_flag("--quick", a.quick, "Leave out the pass that makes corrections calm in time").group(kHow);
 }
 
 }  // namespace
@@ -234,66 +299,8 @@ Command add_repair(CommandLine& program, std::span<char* const> arguments) {
       .type_name("")
       .required();
   add_output_options(command, *a);
-  const char* group = "What may move, and how";
-  command
-      .add_option("--fixed", a->fixed,
-                  "An object or part that may not move, by name; several times for several")
-      .type_name("NAME")
-      .one_value_each_time()
-      .group(group);
-  a->files
-      .reads(command.add_option(
-          "--fixed-vertices", a->fixed_vertices,
-          "Vertices that may not move: a text file with a number for each vertex, not 0 for "
-          "these; once for each object"))
-      .type_name("FILE")
-      .one_value_each_time()
-      .group(group);
-  command.add_option("--only", a->only, "An object or part that may move; then no other may")
-      .type_name("NAME")
-      .one_value_each_time()
-      .group(group);
-  command
-      .add_option("--falloff", a->falloff,
-                  "How far along the surface a correction spreads, in mesh units [a twentieth of the size]")
-      .type_name("D")
-      .group(group);
-  command
-      .add_option("--thickness", a->thickness, "Keep everything farther apart than this, in mesh units [0]")
-      .type_name("D")
-      .group(group);
-  command.add_option("--ignore", a->ignore, "Pairs of two objects or parts that may touch, by name")
-      .type_name("A B")
-      .one_value_each_time()
-      .group(group);
-  command
-      .add_option("--contact", a->contacts,
-                  "Repair only contacts of these two objects or parts, by name, and leave all others")
-      .type_name("A B")
-      .one_value_each_time()
-      .group(group);
-  a->files
-      .reads(
-          command.add_option("--start", a->start,
-                             "A pose that touches nothing to start from, a mesh file; once for each object"))
-      .type_name("FILE")
-      .one_value_each_time()
-      .group(group);
-  a->files
-      .reads(command.add_option("--model", a->models,
-                                "A model from 'foldproof train': where no frame is free, start in one of its "
-                                "poses; one for all objects of its mesh, or one for each object, in order"))
-      .type_name("FILE")
-      .one_value_each_time()
-      .group(group);
-  command
-      .add_option("--in-betweens", a->in_betweens,
-                  "Add up to N frames between two where a correction cannot keep up; NPZ has their 'times', "
-                  "in frames, MDD in seconds [0]")
-      .type_name("N")
-      .group(group);
-  command.add_flag("--quick", a->quick, "Leave out the pass that makes corrections calm in time")
-      .group(group);
+  add_choice_options(command, *a);
+  add_correction_options(command, *a);
   add_motion_options(command, a->motion);
   add_threads_option(command, a->threads, "At most N threads [all cores]");
   return [a] { return run_repair(*a); };
