@@ -123,10 +123,10 @@ Result<int> demo(const DemoArguments& a) {
   bar.clear();
   FOLDPROOF_TRY(directory.commit());
   if (!a.quiet)
-    print_output(
-        fmt::format("Wrote a generated motion and its model into {0}. Now try:\n  cd {0}\n  foldproof check "
-                    "walk.glb\n  foldproof view walk.glb\n",
-                    target.generic_string()));
+    print_output(fmt::format(
+        "Wrote a generated motion and its model into {0}. Now try:\n  foldproof check {0}/walk.glb\n"
+        "  foldproof view {0}/walk.glb\n",
+        target.generic_string()));
   return kExitClean;
 }
 
