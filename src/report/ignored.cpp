@@ -14,7 +14,7 @@ namespace {
 
 // What a name stands for: an object as it was named, else all parts of that name, else the one object whose
 // file has this name, with or without its extension, else a part of one object: the names of both with ":"
-// between.
+// between, the object's as it was named, else that of its file.
 class Named {
  public:
   Named(const std::string& name, Motions motions, const CheckSettings& settings)
@@ -26,6 +26,10 @@ class Named {
       if (has_file_name(i, name)) file_ = of_file_++ == 0 ? i : kNoIndex;
       const auto own = std::ranges::find_if(parts, [&](const auto& part) { return is_part_of(i, part); });
       if (own == parts.end()) continue;
+      const bool is_exact = name == motions[i]->name() + ":" + *own;
+      if (!is_exact && exact_owner_) continue;
+      if (is_exact && !exact_owner_) owners_ = 0;
+      exact_owner_ = is_exact;
       owner_ = owners_++ == 0 ? i : kNoIndex;
       own_part_ = *own;
     }
@@ -92,6 +96,7 @@ class Named {
   bool any_object_ = false, any_part_ = false;
   Index of_file_ = 0, file_ = kNoIndex;
   Index owners_ = 0, owner_ = kNoIndex;  // of a part that is named with its object
+  bool exact_owner_ = false;             // which was given as it was named
   std::string own_part_;
 };
 

@@ -82,6 +82,14 @@ TEST(Ignore, APartOfOneObjectIsNamedWithIt) {
   const auto alike = list(named(sinking_triangle(kSinking), "a/left.npz", parts),
                           named(sinking_triangle(kSinking), "b/left.npz", parts));
   EXPECT_THAT(check(alike, {{"left:tip", "floor"}}).error().line(), HasSubstr("is a part of 2 objects"));
+  // An object as it was named comes before one whose file has this name, in whatever order.
+  for (const bool first : {true, false}) {
+    const auto beside = list(named(sinking_triangle(kSinking), first ? "left.npz" : "b/left.npz", parts),
+                             named(sinking_triangle(kSinking), first ? "b/left.npz" : "left.npz", parts));
+    const Pairs others = {{"floor", "floor"}, {"tip", "tip"}, {"b/left.npz:tip", "floor"}};
+    ASSERT_EQ(check(beside, others)->collisions.sum(), 6u);
+    EXPECT_TRUE(check(beside, {others[0], others[1], others[2], {"left.npz:tip", "floor"}})->clean());
+  }
 }
 
 TEST(Ignore, UnknownNamesListNearOnes) {
