@@ -169,6 +169,10 @@ Result<PageServer> PageServer::open(Page& page, std::span<const PageFile> files,
           send(error_answer(500, line_of(error)), response);
         }
       });
+  impl->http.set_error_handler([](const httplib::Request&, httplib::Response& response) {
+    if (response.status == 413)  // the library's own answer
+      send(error_answer(413, "names too many single vertices; fix larger areas or whole parts"), response);
+  });
   const int first = port != 0 ? port : kFirstPagePort, last = port != 0 ? port : first + kPagePorts - 1;
   for (int k = first; k <= last; ++k) {
     impl->port = k;

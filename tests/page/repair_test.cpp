@@ -196,6 +196,10 @@ TEST(PageRepair, TakesItsParametersFromABody) {
   for (const Index v : moved) EXPECT_TRUE(v >= 64 || v % 2 == 1) << v;
   const auto wrong = served.client().Post("/api/repair/start", "fixed=a", "text/plain");
   EXPECT_EQ(wrong->status, 400);
+  const auto too_long =
+      served.client().Post("/api/repair/start", std::string((std::size_t{4} << 20) + 1, 'x'), "text/plain");
+  ASSERT_TRUE(too_long && too_long->status == 413);
+  EXPECT_THAT(Json::parse(too_long->body)["error"].get<std::string>(), HasSubstr("too many single vertices"));
   httplib::Headers foreign{{"Host", "evil.example"}};
   EXPECT_EQ(served.client().Post("/api/repair/start", foreign, "", "text/plain")->status, 403);
 }
