@@ -1,5 +1,4 @@
 // Readers of formats whose libraries are not part of the WebAssembly build.
-#include <algorithm>
 #include <filesystem>
 
 #include "base/try.h"
@@ -39,11 +38,7 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadOpti
   auto vertices = FOLDPROOF_TRY(open_vertices(path, names, open));
   auto motion = std::make_unique<ArrayMotion>(path, std::move(vertices), nullptr);
   FOLDPROOF_TRY(motion->open(*faces));
-  if (options.weld != Weld::ByFormat || std::ranges::find(members, "merged.npy") == members.end())
-    return motion;
-  const auto merged = FOLDPROOF_TRY(open("merged"));
-  auto map = FOLDPROOF_TRY(read_merged(*merged, motion->topology().vertex_count()));
-  return merge(std::move(motion), std::move(map), "its array 'merged'", "check with --no-weld");
+  return with_merged(std::move(motion), members, options, open);
 }
 
 }  // namespace foldproof::io

@@ -1,6 +1,8 @@
 /// A motion whose vertices and faces are NumPy arrays.
 #pragma once
 
+#include <algorithm>
+
 #include "base/try.h"
 #include "io/npy.h"
 #include "io/readers.h"
@@ -71,5 +73,18 @@ class ArrayMotion final : public Motion {
   MotionInfo info_;
   std::vector<char> buffer_;
 };
+
+/// The motion; its vertices are merged by the array `merged` among `members`, if there is one and
+/// ReadOptions::weld does not say otherwise. `open`: as in open_vertices.
+template <class Open>
+Result<std::unique_ptr<Motion>> with_merged(std::unique_ptr<Motion> motion,
+                                            const std::vector<std::string>& members,
+                                            const ReadOptions& options, const Open& open) {
+  if (options.weld != Weld::ByFormat || std::ranges::find(members, "merged.npy") == members.end())
+    return motion;
+  const auto merged = FOLDPROOF_TRY(open("merged"));
+  auto map = FOLDPROOF_TRY(read_merged(*merged, motion->topology().vertex_count()));
+  return merge(std::move(motion), std::move(map), "its array 'merged'", "check with --no-weld");
+}
 
 }  // namespace foldproof::io

@@ -57,12 +57,7 @@ Result<std::unique_ptr<Motion>> open_npz(const std::string& path, const ReadOpti
   FOLDPROOF_TRY(motion->open(faces));
   motion->set_parts(FOLDPROOF_TRY(npz_parts(zip, path, bytes, motion->topology().triangles().size())));
   FOLDPROOF_TRY(frames.unpack(progress));
-  if (options.weld != Weld::ByFormat || std::ranges::find(members, "merged.npy") == members.end())
-    return motion;
-  NpzArray merged;
-  FOLDPROOF_TRY(merged.open(zip, path, bytes, "merged", remedy));
-  auto map = FOLDPROOF_TRY(read_merged(merged, motion->topology().vertex_count()));
-  return merge(std::move(motion), std::move(map), "its array 'merged'", "check with --no-weld");
+  return with_merged(std::move(motion), members, options, open);
 }
 
 }  // namespace foldproof::io
