@@ -217,7 +217,7 @@ class FOLDPROOF_OT_before_after(bpy.types.Operator):
 
     def execute(self, context):
         copies = repaired.copies_of(context.view_layer)
-        repaired.show(context, copies, not any(each.visible_get() for each in copies))
+        repaired.show(context, copies, not repaired.are_shown(copies))
         return {"FINISHED"}
 
 
@@ -322,15 +322,20 @@ class FOLDPROOF_PT_panel(bpy.types.Panel):
         only = "Repair Only These" if contacts.are_several(settings) else "Repair Only This"
         column.operator("foldproof.repair_contact", text=only, icon="MODIFIER")
         if copies := repaired.copies_of(context.view_layer):
-            after = any(each.visible_get() for each in copies)
-            layout.operator("foldproof.before_after", text="Show Before" if after else "Show After", icon="HIDE_OFF")
+            text = "Show Before" if repaired.are_shown(copies) else "Show After"
+            layout.operator("foldproof.before_after", text=text, icon="HIDE_OFF")
 
 
-class FOLDPROOF_PT_still(bpy.types.Panel):
-    bl_label = "May Not Move"
+class Below:
+    """Where a panel is that can be folded away."""
+
     bl_parent_id = "FOLDPROOF_PT_panel"
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
+
+
+class FOLDPROOF_PT_still(Below, bpy.types.Panel):
+    bl_label = "May Not Move"
 
     def draw(self, context):
         layout = self.layout
@@ -344,11 +349,8 @@ class FOLDPROOF_PT_still(bpy.types.Panel):
             layout.prop(contact, still, text=getattr(contact, part))
 
 
-class FOLDPROOF_PT_marks(bpy.types.Panel):
+class FOLDPROOF_PT_marks(Below, bpy.types.Panel):
     bl_label = "Marks"
-    bl_parent_id = "FOLDPROOF_PT_panel"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
 
     def draw(self, _context):
         layout = self.layout
@@ -359,11 +361,8 @@ class FOLDPROOF_PT_marks(bpy.types.Panel):
         layout.operator("foldproof.clear", icon="TRASH")
 
 
-class FOLDPROOF_PT_models(bpy.types.Panel):
+class FOLDPROOF_PT_models(Below, bpy.types.Panel):
     bl_label = "Models"
-    bl_parent_id = "FOLDPROOF_PT_panel"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):

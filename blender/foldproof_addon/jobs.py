@@ -195,7 +195,8 @@ def _left_out(context):
 
 def repair(context, executable, contact=None):
     """Makes copies of the selected meshes that touch nothing over the scene's frames, or in which only a contact of the
-    list is gone. Colliders stay as they are, parts of the list's active contact that are ticked, and what need not move."""
+    list is gone. Colliders stay as they are, as do the parts that are ticked in the active contact and the vertices of chosen
+    groups; what was not moved gets no copy."""
     scene, settings = context.scene, context.scene.foldproof
     objects, frames = meshes_to_check(context), frames_of(scene)
     movable = [each for each in objects if not each.foldproof_collider]

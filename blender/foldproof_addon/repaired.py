@@ -82,9 +82,13 @@ def copies_of(view_layer):
     return [o for o in view_layer.objects if o.foldproof_original and o.foldproof_original.name in view_layer.objects]
 
 
+def are_shown(copies):
+    return any(each.visible_get() for each in copies)
+
+
 def show(context, copies, after):
-    """Shows copies in place of their originals, in renders too, or these in place of the copies. What is shown is selected if
-    some of what is hidden was."""
+    """Shows the copies and hides their originals, or the other way round, in renders, too. If something that it hides was
+    selected, it selects all that it shows."""
     originals = [each.foldproof_original for each in copies]
     shown, hidden = (copies, originals) if after else (originals, copies)
     select = any(each.select_get() for each in hidden)

@@ -95,9 +95,8 @@ def repair(
     vertices = [np.asarray(each, dtype=np.int64).ravel().tolist() for each in fixed_vertices]
     found = _core.repair(
         motions, thickness=thickness, falloff=falloff, fixed=list(fixed), fixed_vertices=vertices, only=list(only),
-        ignore=list(ignore),
-        contacts=list(contacts), frames=frames, start=begin, models=models, single_precision=single_precision, calm=calm,
-        progress=progress,
+        ignore=list(ignore), contacts=list(contacts), frames=frames, start=begin, models=models,
+        single_precision=single_precision, calm=calm, progress=progress,
     )  # fmt: skip
     unit = found.pop("unit")
     before, remaining, left, among_fixed = (

@@ -1,6 +1,6 @@
 // What is painted, and the settings of the brush, in the form of the repair.
 import { css, kYellow } from '../shared/colors';
-import { grouped } from '../shared/format';
+import { counted } from '../shared/format';
 import { el, setText } from '../shared/dom';
 import { kBrushPixels, type Painting } from './painting';
 
@@ -21,7 +21,7 @@ export function paintTools(painting: Painting): HTMLElement {
     erase.setAttribute('aria-pressed', String(erases));
     tools.hidden = help.hidden = !active;
     clear.hidden = swatch.hidden = count.hidden = painting.count === 0;
-    setText(count, `${grouped(painting.count)} ${painting.count === 1 ? 'vertex stays' : 'vertices stay'}`);
+    setText(count, `${counted(painting.count, 'vertex', 'vertices')} ${painting.count === 1 ? 'stays' : 'stay'}`);
   };
   painting.onChange(show);
   show();
